@@ -1,0 +1,97 @@
+//! Every error of the library: what was wrong, in which file or field, and what was expected.
+//!
+//! Each variant's `Display` is one line without a trailing full stop. [`Error::is_bad_input`] tells what the user can
+//! mend from what failed on its own: the command exits with 2 for the one and with 1 for the other.
+
+use std::path::{Path, PathBuf};
+
+/// The library's result.
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// What can go wrong.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be opened, read or written.
+    #[error("{path}: {source}", path = path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The operating system's reason.
+        #[source]
+        source: std::io::Error,
+    },
+
+    /// A file's content is not what its format asks for.
+    #[error("{path}: {field}: {reason}", path = path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// The header field, or the part of the file, that is wrong.
+        field: String,
+        /// What is wrong with it and what was expected.
+        reason: String,
+    },
+
+    /// A setting lies outside its range or contradicts another.
+    #[error("{field}: {reason}")]
+    Setting {
+        /// The setting, by the name that the user gave it.
+        field: String,
+        /// What is wrong with it and what was expected.
+        reason: String,
+    },
+
+    /// The data or picture is larger than the adapter takes; the text names the limit, its value and a way out.
+    #[error("{0}")]
+    Limit(String),
+
+    /// No graphics adapter, or it was lost, or a pass failed on it.
+    #[error("graphics adapter: {0}")]
+    Gpu(String),
+
+    /// The user asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}
+
+impl Error {
+    /// An [`Error::Io`] about `path`.
+    pub fn io(path: &Path, source: std::io::Error) -> Self {
+        Self::Io {
+            path: path.to_owned(),
+            source,
+        }
+    }
+
+    /// An [`Error::File`] about a field of `path`.
+    pub fn file(path: &Path, field: impl Into<String>, reason: impl Into<String>) -> Self {
+        Self::File {
+            path: path.to_owned(),
+            field: field.into(),
+            reason: reason.into(),
+        }
+    }
+
+    /// An [`Error::Setting`].
+    pub fn setting(field: impl Into<String>, reason: impl Into<String>) -> Self {
+        Self::Setting {
+            field: field.into(),
+            reason: reason.into(),
+        }
+    }
+
+    /// Whether the input is at fault (exit code 2) rather than the run (exit code 1).
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Self::File { .. } | Self::Setting { .. } | Self::Limit(_) => true,
+            Self::Io { source, .. } => matches!(
+                source.kind(),
+                std::io::ErrorKind::NotFound
+                    | std::io::ErrorKind::IsADirectory
+                    | std::io::ErrorKind::NotADirectory
+            ),
+            Self::Gpu(_) | Self::Cancelled => false,
+        }
+    }
+}

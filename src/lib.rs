@@ -1,0 +1,14 @@
+//! hollowcast renders volumes that are mostly empty and spends no sample where nothing is visible.
+#![warn(missing_docs)]
+
+pub mod camera;
+pub mod error;
+pub mod lattice;
+pub mod mode;
+pub mod sample;
+pub mod scene;
+pub mod skip;
+pub mod transfer;
+pub mod volume;
+
+pub use error::{Error, Result};

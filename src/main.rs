@@ -1,0 +1,3 @@
+//! The hollowcast command.
+
+fn main() {}

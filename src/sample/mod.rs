@@ -1,0 +1,59 @@
+//! HOW one sample is taken: the interpolation of voxels.
+//!
+//! Each sampler has a WGSL twin of the same name in `shaders/sample/`. All return the table coordinate `x` of a grid
+//! position (see [`crate::transfer::Domain`]).
+
+use crate::lattice::Real;
+
+/// The choice of sampler.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Sampler {
+    /// The adapter's trilinear filter (fractions have 8 bits on most GPUs).
+    Hardware,
+    /// Eight loads and f32 interpolation.
+    Exact,
+}
+
+impl Sampler {
+    /// All samplers.
+    pub const ALL: &[Self] = &[Self::Hardware, Self::Exact];
+
+    /// The name used by flags, files and shaders.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hardware => "hardware",
+            Self::Exact => "exact",
+        }
+    }
+
+    /// Voxels that a sample may touch beyond those of the (closed) block that it lies in, on each side.
+    pub fn apron(self) -> usize {
+        match self {
+            Self::Hardware | Self::Exact => 1,
+        }
+    }
+}
+
+/// Interpolates eight neighbours `corners[z][y][x]` at the fraction `f` per axis, x first.
+///
+/// `a + f * (b - a)` returns `a` exactly where both are equal: uniform data stay uniform.
+#[inline(always)]
+pub fn trilinear<R: Real>(corners: [[[R; 2]; 2]; 2], f: [R; 3]) -> R {
+    let lerp = |a: R, b: R, f: R| a + f * (b - a);
+    let plane = |p: [[R; 2]; 2]| {
+        lerp(
+            lerp(p[0][0], p[0][1], f[0]),
+            lerp(p[1][0], p[1][1], f[0]),
+            f[1],
+        )
+    };
+    lerp(plane(corners[0]), plane(corners[1]), f[2])
+}
+
+/// Lower neighbour (not yet clamped to the volume) and fraction of a grid coordinate: voxel i's centre is at i + 1/2.
+#[inline(always)]
+pub fn cell<R: Real>(grid: R) -> (R, R) {
+    let shifted = grid - R::splat(0.5);
+    let lower = shifted.floor();
+    (lower, shifted - lower)
+}

@@ -1,0 +1,88 @@
+//! What one picture is made of, whoever makes it, and what comes back.
+
+use crate::lattice::RayFrame;
+use crate::mode::Mode;
+use crate::sample::Sampler;
+use crate::transfer::Table;
+use crate::volume::Volume;
+
+/// Everything that decides a pixel: the same for every skipping method and backend.
+#[derive(Debug, Clone, Copy)]
+pub struct Scene<'a> {
+    /// The voxels.
+    pub volume: &'a Volume,
+    /// The transfer function, baked for this frame's step.
+    pub table: &'a Table,
+    /// The rays and their lattice.
+    pub frame: &'a RayFrame,
+    /// HOW.
+    pub sampler: Sampler,
+    /// WHAT.
+    pub mode: Mode,
+    /// Accumulated opacity at which a ray stops; 1 or more: never.
+    pub ert: f32,
+}
+
+/// A picture: linear red, green, blue premultiplied by opacity, and opacity; row by row from the top left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Width and height.
+    pub size: [u32; 2],
+    /// `size[0] * size[1]` pixels.
+    pub rgba: Vec<[f32; 4]>,
+}
+
+impl Picture {
+    /// How many pixels differ from `other` in any bit, and the largest difference of any channel.
+    ///
+    /// # Panics
+    /// Where the sizes differ.
+    pub fn difference(&self, other: &Self) -> Difference {
+        assert_eq!(self.size, other.size, "pictures of one size are compared");
+        let mut difference = Difference {
+            pixels: 0,
+            max_abs: 0.0,
+        };
+        for (a, b) in self.rgba.iter().zip(&other.rgba) {
+            difference.pixels += u64::from(a.map(f32::to_bits) != b.map(f32::to_bits));
+            for (x, y) in a.iter().zip(b) {
+                difference.max_abs = difference.max_abs.max(f64::from((x - y).abs()));
+            }
+        }
+        difference
+    }
+}
+
+/// How two pictures differ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Difference {
+    /// Pixels with any bit different.
+    pub pixels: u64,
+    /// Largest absolute difference of any channel, linear and premultiplied.
+    pub max_abs: f64,
+}
+
+/// The work that a picture took, which depends on no machine; sums over all pixels.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Samples taken.
+    pub samples: u64,
+    /// Samples that added something.
+    pub contributing: u64,
+    /// Segments asked for, or steps of a traversal between samples.
+    pub skip_steps: u64,
+}
+
+/// A picture with the work that each pixel took.
+#[derive(Debug, Clone)]
+pub struct CountedPicture {
+    /// The picture: bit-identical to the uncounted one.
+    pub picture: Picture,
+    /// Sums over all pixels.
+    pub counters: Counters,
+    /// Samples taken, per pixel, in the picture's order.
+    pub samples: Vec<u32>,
+    /// Distance from the eye's start plane (local units along the ray, from its start) to the first contributing sample; infinite where there is
+    /// none.
+    pub first_hit: Vec<f32>,
+}

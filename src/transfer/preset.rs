@@ -1,0 +1,1 @@
+//! Transfer functions that work on unknown data: by name, from the histogram.
