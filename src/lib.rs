@@ -5,6 +5,7 @@ pub mod camera;
 pub mod error;
 pub mod lattice;
 pub mod mode;
+pub mod octree;
 pub mod sample;
 pub mod scene;
 pub mod skip;

@@ -68,6 +68,9 @@ pub const METHODS: &[Method] = &[
 
 impl Skip {
     /// This method's row.
+    ///
+    /// # Panics
+    /// Never: every method has a row.
     pub fn method(self) -> &'static Method {
         METHODS
             .iter()
