@@ -3,6 +3,9 @@
 //! A method yields for each ray an ascending list of half-open ranges of sample indices. It may leave out only samples
 //! whose contribution is exactly zero (unless its row says lossy), so that the picture is bit-identical to [`Skip::Box`].
 
+pub mod beam_masks;
+pub mod distance_map;
+
 use std::ops::Range;
 
 /// The choice of skipping method.
@@ -14,6 +17,10 @@ pub enum Skip {
     Hull,
     /// The hull of each half of the volume, cut across the view's dominant axis.
     HalfSplit,
+    /// Runs of active layers along the view axis, one mask per tile of pixels.
+    BeamMasks,
+    /// Leaps of the distance to the nearest active block.
+    DistanceMap,
 }
 
 /// A method's row in the table that every part of the program reads.
@@ -63,6 +70,24 @@ pub const METHODS: &[Method] = &[
         summary: "the hull of each half, cut across the view axis",
         origin: "Yu et al. 2016",
         known_failure: "a cavity off the cut, or a second one, is still marched",
+    },
+    Method {
+        skip: Skip::BeamMasks,
+        name: "beam-masks",
+        lossless: true,
+        max_segments: usize::MAX,
+        summary: "runs of active layers along the view axis, one mask per tile of pixels",
+        origin: "this project",
+        known_failure: "coarse where a tile straddles much",
+    },
+    Method {
+        skip: Skip::DistanceMap,
+        name: "distance-map",
+        lossless: true,
+        max_segments: usize::MAX,
+        summary: "leaps of the Chebyshev distance to the nearest active block",
+        origin: "Sramek & Kaufman 2000; Deakin & Knoll 2019",
+        known_failure: "fragmented data: the leaps get short; the map is rebuilt with every table",
     },
 ];
 
