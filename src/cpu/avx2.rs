@@ -151,12 +151,7 @@ impl Packet for Wide {
     #[inline(always)]
     fn mul_add_index(a: __m256i, factor: usize, b: __m256i) -> __m256i {
         // SAFETY: instruction set, see above.
-        unsafe {
-            _mm256_add_epi32(
-                _mm256_mullo_epi32(a, _mm256_set1_epi32(factor as i32)),
-                b,
-            )
-        }
+        unsafe { _mm256_add_epi32(_mm256_mullo_epi32(a, _mm256_set1_epi32(factor as i32)), b) }
     }
 
     #[inline(always)]
@@ -284,9 +279,7 @@ unsafe fn gather_pair<V: Voxel>(base: *const V, index: __m256i) -> [Wide; 2] {
         if is(TypeId::of::<f32>()) {
             // Four 64-bit gathers' worth in two: lanes 0, 1, 4, 5 and 2, 3, 6, 7, so that one shuffle sorts each result.
             let order = _mm256_permute4x64_epi64::<0b11_01_10_00>(index);
-            let quad = |i: __m128i| {
-                _mm256_castpd_ps(_mm256_i32gather_pd::<4>(base.cast(), i))
-            };
+            let quad = |i: __m128i| _mm256_castpd_ps(_mm256_i32gather_pd::<4>(base.cast(), i));
             let low = quad(_mm256_castsi256_si128(order));
             let high = quad(_mm256_extracti128_si256::<1>(order));
             return [

@@ -36,7 +36,8 @@ impl Cells {
             .for_each(|(i, out)| {
                 let (y, z) = (i % ny, i / ny);
                 let row = |y: usize, z: usize| {
-                    &corners[(z.min(nz - 1) * ny + y.min(ny - 1)) * words_per_row..][..words_per_row]
+                    &corners[(z.min(nz - 1) * ny + y.min(ny - 1)) * words_per_row..]
+                        [..words_per_row]
                 };
                 let rows = [row(y, z), row(y + 1, z), row(y, z + 1), row(y + 1, z + 1)];
                 for (j, word) in out.iter_mut().enumerate() {

@@ -260,9 +260,7 @@ fn draw<O: Pixel>(
             ),
         ));
     }
-    if scene.volume.dims != plan.dims
-        || plan.background.is_some_and(|b| !b.fits(scene.table))
-    {
+    if scene.volume.dims != plan.dims || plan.background.is_some_and(|b| !b.fits(scene.table)) {
         return Err(Error::setting(
             "plan",
             "was made for another volume or table",

@@ -211,8 +211,10 @@ struct Beam {
 impl Beam {
     fn new(frame: &RayFrame, x: Range<u32>, y: Range<u32>) -> Self {
         let corner = |i: usize| {
-            let px = f64::from([x.start, x.end - 1][i & 1]) - (f64::from(frame.size[0]) - 1.0) * 0.5;
-            let py = f64::from([y.start, y.end - 1][i >> 1]) - (f64::from(frame.size[1]) - 1.0) * 0.5;
+            let px =
+                f64::from([x.start, x.end - 1][i & 1]) - (f64::from(frame.size[0]) - 1.0) * 0.5;
+            let py =
+                f64::from([y.start, y.end - 1][i >> 1]) - (f64::from(frame.size[1]) - 1.0) * 0.5;
             let start = frame.start + frame.start_dx * px + frame.start_dy * py;
             let direction = frame.dir + frame.dir_dx * px + frame.dir_dy * py;
             (
