@@ -347,3 +347,6 @@ fn draw_tile<V: Voxel, O: Pixel>(
         Path::Scalar => tile::draw::<packet::Lanes, V, O>(job, area, rows),
     }
 }
+
+#[cfg(test)]
+mod tests;

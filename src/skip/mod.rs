@@ -6,6 +6,9 @@
 pub mod beam_masks;
 pub mod distance_map;
 
+#[cfg(test)]
+mod support;
+
 use std::ops::Range;
 
 /// The choice of skipping method.
