@@ -3,6 +3,7 @@
 
 pub mod camera;
 pub mod error;
+pub mod gpu;
 pub mod lattice;
 pub mod mode;
 pub mod octree;

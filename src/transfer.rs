@@ -119,15 +119,17 @@ pub fn opacity_per_step(opacity: f64, ratio: f64) -> f64 {
     }
 }
 
-/// How data values map to a table: entry i lies at `x = i`, `x = scale * stored + offset`.
+/// How data values map to a table: entry i lies at `x = i`, `x = (stored - origin) * scale`.
+///
+/// The origin is subtracted first: f32 data far from zero keep what precision they have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Domain {
     /// Number of entries N: 256, 4,096 or 65,536.
     pub entries: usize,
     /// Table coordinate per stored unit.
     pub scale: f64,
-    /// Table coordinate of stored zero.
-    pub offset: f64,
+    /// Stored number at table coordinate 0.
+    pub origin: f64,
     rescale: Rescale,
 }
 
@@ -152,15 +154,14 @@ impl Domain {
         let last = (entries - 1) as f64;
         let integers = volume.voxels.voxel_type().integer_range();
         let one_to_one = integers.filter(|r| r[1] - r[0] <= last);
-        let (scale, offset) = match (one_to_one, integers) {
-            (Some(range), _) => (1.0, -range[0]),
+        let (scale, origin) = match (one_to_one, integers) {
+            (Some(range), _) => (1.0, range[0]),
             // Integer data whose range fits the table keep one entry per value too.
-            (None, Some(_)) if stored_range[1] - stored_range[0] <= last => (1.0, -stored_range[0]),
+            (None, Some(_)) if stored_range[1] - stored_range[0] <= last => (1.0, stored_range[0]),
             _ if stored_range[1] > stored_range[0] => {
-                let scale = last / (stored_range[1] - stored_range[0]);
-                (scale, -stored_range[0] * scale)
+                (last / (stored_range[1] - stored_range[0]), stored_range[0])
             }
-            _ => (1.0, -stored_range[0]),
+            _ => (1.0, stored_range[0]),
         };
         Ok(Self {
             entries,
@@ -172,13 +173,12 @@ impl Domain {
 
     /// Table coordinate of a stored number (not clamped).
     pub fn x_from_stored(&self, stored: f64) -> f64 {
-        stored * self.scale + self.offset
+        (stored - self.origin) * self.scale
     }
 
     /// Data value at a table coordinate.
     pub fn value_from_x(&self, x: f64) -> f64 {
-        self.rescale
-            .value_from_stored((x - self.offset) / self.scale)
+        self.rescale.value_from_stored(x / self.scale + self.origin)
     }
 
     /// How near to an entry a table coordinate counts as on it, in shaders and in [`lookup`]: N * 2^-22.
