@@ -17,7 +17,10 @@ fn vertex(@location(0) corner: vec4<u32>) -> Face {
     let towards = vec3f((vec3u(corner.w) >> vec3u(2u, 3u, 4u)) & vec3u(1u)) * 2.0 - 1.0;
     // The last block of an axis may stick out of the volume.
     let on_grid = min(vec3f(corner.xyz) * view.block * voxel_size, view.extent);
-    let local = on_grid + towards * view.grow;
+    // Outward, and twice as far in the plane: rectangles that meet at an edge then cross each other, so that no pixel
+    // centre falls between two edges that the rasteriser snaps differently (T-junctions).
+    let outward = vec3u(0u, 1u, 2u) == vec3u(axis);
+    let local = on_grid + towards * view.grow * select(vec3f(2.0), vec3f(1.0), outward);
     var face: Face;
     face.position = view.clip_from_local * vec4f(local, 1.0);
     face.plane_minus_start = vec3f(local[axis] - view.start[axis], -view.start_dx[axis], -view.start_dy[axis]);

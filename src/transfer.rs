@@ -166,7 +166,7 @@ impl Domain {
         Ok(Self {
             entries,
             scale,
-            offset,
+            origin,
             rescale: volume.rescale,
         })
     }
@@ -242,6 +242,11 @@ impl Table {
         let first = snapped(*range.start()).floor() as usize;
         let end = (snapped(*range.end()).ceil() as usize + 1).min(n);
         self.visible_before[end] != self.visible_before[first]
+    }
+
+    /// Whether the same entries are visible as in `other`: then what was culled for one holds for both.
+    pub fn shows_the_same_as(&self, other: &Self) -> bool {
+        self.domain == other.domain && self.visible_before == other.visible_before
     }
 
     /// Largest opacity of one step.

@@ -8,13 +8,14 @@ struct View {
     // Scale from depth along the unnormalised direction to the stored depth in [0, 1]: a power of two, so exact.
     depth_scale: f32,
     start_dy: vec3f,
-    // How far rasterised rectangles are grown, outward and in their plane, in local units.
+    // How far rasterised rectangles are grown outward, in local units.
     grow: f32,
     dir: vec3f,
     // Edge of a leaf block in voxels.
     block: f32,
     dir_dx: vec3f,
-    pad0: f32,
+    // Depth of the rays' start plane before the eye.
+    start_depth: f32,
     dir_dy: vec3f,
     pad1: f32,
     extent: vec3f,

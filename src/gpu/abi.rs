@@ -16,7 +16,7 @@ pub struct View {
     pub dir: [f32; 3],
     pub block: f32,
     pub dir_dx: [f32; 3],
-    pub pad0: f32,
+    pub start_depth: f32,
     pub dir_dy: [f32; 3],
     pub pad1: f32,
     pub extent: [f32; 3],
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn structs_are_what_the_shaders_read() {
-        mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, pad0, dir_dy, pad1,
+        mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, pad1,
             extent, pad2, grid_from_local, pad3, centre, origin, size, pad4, clip_from_local);
         mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
             tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, pad1);

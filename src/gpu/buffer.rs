@@ -52,6 +52,16 @@ impl GrowBuffer {
         buffer
     }
 
+    /// The buffer.
+    ///
+    /// # Panics
+    /// Where it was never reserved or written.
+    pub fn get(&self) -> &wgpu::Buffer {
+        self.buffer
+            .as_ref()
+            .expect("a buffer is read after it was written")
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         self.buffer.as_ref().map_or(0, wgpu::Buffer::size)

@@ -4,6 +4,7 @@ pub mod abi;
 pub mod buffer;
 pub mod device;
 pub mod shader;
+pub mod texture;
 pub mod timer;
 
 pub use device::{AdapterKind, Gpu};

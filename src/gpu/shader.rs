@@ -14,6 +14,7 @@ macro_rules! shaders {
 shaders![
     "faces",
     "march",
+    "present",
     "count/off.inc",
     "count/on.inc",
     "mode/emission_absorption.inc",

@@ -5,6 +5,8 @@
 
 use std::ops::Range;
 
+use glam::DVec3;
+
 /// The choice of skipping method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Skip {
@@ -89,4 +91,16 @@ pub trait Segments {
     /// The next segment at or after sample `k`, not empty; `None` at the end of the ray. `state` is what a mode tells
     /// of its progress (the running maximum, say; NaN where a mode has nothing to tell).
     fn next(&mut self, k: u32, state: f64) -> Option<Range<u32>>;
+}
+
+/// The axis that halves are cut across: the largest component of the view's direction.
+pub fn half_axis(forward: DVec3) -> usize {
+    let a = forward.abs();
+    if a.x >= a.y && a.x >= a.z {
+        0
+    } else if a.y >= a.z {
+        1
+    } else {
+        2
+    }
 }
