@@ -6,6 +6,7 @@ pub mod error;
 pub mod lattice;
 pub mod mode;
 pub mod octree;
+pub mod reference;
 pub mod sample;
 pub mod scene;
 pub mod skip;

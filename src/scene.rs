@@ -1,5 +1,6 @@
 //! What one picture is made of, whoever makes it, and what comes back.
 
+use std::ops::AddAssign;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use crate::error::{Error, Result};
@@ -117,6 +118,14 @@ pub struct Counters {
     pub contributing: u64,
     /// Segments asked for, or steps of a traversal between samples.
     pub skip_steps: u64,
+}
+
+impl AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.samples += other.samples;
+        self.contributing += other.contributing;
+        self.skip_steps += other.skip_steps;
+    }
 }
 
 /// A picture with the work that each pixel took.

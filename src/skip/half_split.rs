@@ -27,10 +27,9 @@ impl HalfSplit<'_> {
         let mut listed = Listed::default();
         for half in [[start, cut], [cut, end]] {
             // Halves of no length have no samples, unless the whole ray is one sample; the list drops its second copy.
-            if half[0] < half[1] || start == end {
-                if let Some(hull) = line.hull(self.occupancy, half) {
-                    listed.push(line.padded(hull));
-                }
+            let has_samples = half[0] < half[1] || start == end;
+            if has_samples && let Some(hull) = line.hull(self.occupancy, half) {
+                listed.push(line.padded(hull));
             }
         }
         listed

@@ -13,7 +13,7 @@ pub struct Hull<'a> {
 }
 
 impl Hull<'_> {
-    pub(super) fn segments(&self, line: &Line) -> Listed {
+    pub(super) fn segments(self, line: &Line) -> Listed {
         let mut listed = Listed::default();
         if let Some(hull) = line.hull(self.occupancy, line.span()) {
             listed.push(line.padded(hull));
