@@ -4,17 +4,16 @@ mod gpu;
 mod structures;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::gpu::{AdapterKind, Gpu};
-use crate::lattice::RayFrame;
 use crate::mode::Mode;
+use crate::reference;
 use crate::sample::Sampler;
-use crate::scene::{CountedPicture, Picture, Scene};
-use crate::skip::Skip;
+use crate::scene::{CountedPicture, Picture, Progress, Scene};
+use crate::skip::{Plan, Skip};
 use crate::transfer::{Domain, Table, TransferFunction};
 use crate::volume::Volume;
 
@@ -114,12 +113,18 @@ pub struct Renderer {
     transfer: Option<TransferFunction>,
     /// The table baked last, with what it was baked for.
     table: Option<(TableKey, Arc<Table>)>,
-    cancel: Arc<AtomicBool>,
+    progress: Arc<Progress>,
 }
 
 enum Backend {
     Gpu(Box<GpuBackend>),
     Reference,
+}
+
+/// A picture about to be drawn.
+enum Drawing<'a> {
+    Gpu(&'a mut GpuBackend, Job<'a>),
+    Reference(Scene<'a>, Plan<'a>, &'a Progress),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -134,15 +139,21 @@ impl Renderer {
     /// # Errors
     /// [`Error::Gpu`] where an adapter was asked for and there is none.
     pub fn new(choice: BackendChoice) -> Result<Self> {
+        let progress = Arc::<Progress>::default();
         match choice {
-            BackendChoice::Gpu => Ok(Self::on(GpuBackend::open(AdapterKind::Any)?)),
-            BackendChoice::Auto => match GpuBackend::open(AdapterKind::Hardware) {
-                Ok(backend) => Ok(Self::on(backend)),
-                Err(error) => {
-                    tracing::info!("{error}; drawing on the CPU");
-                    Self::new(BackendChoice::Reference)
+            BackendChoice::Gpu => Ok(Self::on(
+                GpuBackend::open(AdapterKind::Any, Arc::clone(&progress))?,
+                progress,
+            )),
+            BackendChoice::Auto => {
+                match GpuBackend::open(AdapterKind::Hardware, Arc::clone(&progress)) {
+                    Ok(backend) => Ok(Self::on(backend, progress)),
+                    Err(error) => {
+                        tracing::info!("{error}; drawing on the CPU");
+                        Self::new(BackendChoice::Reference)
+                    }
                 }
-            },
+            }
             BackendChoice::Reference => Ok(Self::with_backend(
                 Backend::Reference,
                 BackendInfo {
@@ -151,6 +162,7 @@ impl Renderer {
                     driver: format!("hollowcast {}", env!("CARGO_PKG_VERSION")),
                     is_software: true,
                 },
+                progress,
             )),
         }
     }
@@ -160,10 +172,14 @@ impl Renderer {
     /// # Errors
     /// [`Error::Gpu`] where the device cannot compile the passes.
     pub fn with_device(gpu: Gpu) -> Result<Self> {
-        Ok(Self::on(GpuBackend::with_device(gpu)?))
+        let progress = Arc::<Progress>::default();
+        Ok(Self::on(
+            GpuBackend::with_device(gpu, Arc::clone(&progress))?,
+            progress,
+        ))
     }
 
-    fn on(backend: GpuBackend) -> Self {
+    fn on(backend: GpuBackend, progress: Arc<Progress>) -> Self {
         let info = &backend.gpu().info;
         let info = BackendInfo {
             backend: "gpu",
@@ -173,14 +189,10 @@ impl Renderer {
                 .to_owned(),
             is_software: backend.gpu().is_software(),
         };
-        Self::with_backend(Backend::Gpu(Box::new(backend)), info)
+        Self::with_backend(Backend::Gpu(Box::new(backend)), info, progress)
     }
 
-    fn with_backend(backend: Backend, info: BackendInfo) -> Self {
-        let cancel = match &backend {
-            Backend::Gpu(backend) => backend.cancel_flag(),
-            Backend::Reference => Arc::default(),
-        };
+    fn with_backend(backend: Backend, info: BackendInfo, progress: Arc<Progress>) -> Self {
         Self {
             backend,
             info,
@@ -188,7 +200,7 @@ impl Renderer {
             structures: Structures::default(),
             transfer: None,
             table: None,
-            cancel,
+            progress,
         }
     }
 
@@ -197,9 +209,9 @@ impl Renderer {
         &self.info
     }
 
-    /// A flag that, set from another thread, makes the picture in work end with [`Error::Cancelled`].
-    pub fn cancel_flag(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.cancel)
+    /// How far the picture in work is, where the backend tells rows, and the way to stop it from another thread.
+    pub fn progress(&self) -> Arc<Progress> {
+        Arc::clone(&self.progress)
     }
 
     /// Takes a volume in place of the last; its structures are built at first use.
@@ -239,12 +251,12 @@ impl Renderer {
     /// # Errors
     /// [`Error::Setting`] for settings out of range, [`Error::Gpu`] where memory ran out.
     pub fn prepare(&mut self, settings: &Settings) -> Result<Preparation> {
-        self.with_job(settings, |backend, job, preparation| {
+        self.with_drawing(settings, |drawing, preparation| {
             let mut preparation = *preparation;
-            if let Backend::Gpu(backend) = backend {
+            if let Drawing::Gpu(backend, job) = drawing {
                 let start = Instant::now();
                 backend.prepare(job)?;
-                preparation.cull_ms += start.elapsed().as_secs_f64() * 1e3;
+                preparation.cull_ms += ms_since(start);
                 preparation.structure_bytes += backend.face_bytes();
             }
             Ok(preparation)
@@ -256,9 +268,11 @@ impl Renderer {
     /// # Errors
     /// As [`Self::prepare`]; [`Error::Cancelled`].
     pub fn draw(&mut self, settings: &Settings) -> Result<FrameTimes> {
-        self.with_job(settings, |backend, job, _| match backend {
-            Backend::Gpu(backend) => backend.draw(job),
-            Backend::Reference => Err(Error::Gpu("not yet".into())),
+        self.with_drawing(settings, |drawing, _| match drawing {
+            Drawing::Gpu(backend, job) => backend.draw(job),
+            Drawing::Reference(scene, plan, progress) => {
+                Ok(draw_reference(scene, plan, progress)?.1)
+            }
         })
     }
 
@@ -268,17 +282,20 @@ impl Renderer {
     /// As [`Self::draw`].
     pub fn render(&mut self, settings: &Settings) -> Result<Rendered> {
         let sampler = self.sampler(settings);
-        self.with_job(settings, |backend, job, _| match backend {
-            Backend::Gpu(backend) => {
-                let (picture, times, read_back_ms) = backend.render(job)?;
-                Ok(Rendered {
-                    picture,
-                    times,
-                    read_back_ms,
-                    sampler,
-                })
-            }
-            Backend::Reference => Err(Error::Gpu("not yet".into())),
+        self.with_drawing(settings, |drawing, _| {
+            let (picture, times, read_back_ms) = match drawing {
+                Drawing::Gpu(backend, job) => backend.render(job)?,
+                Drawing::Reference(scene, plan, progress) => {
+                    let (counted, times) = draw_reference(scene, plan, progress)?;
+                    (counted.picture, times, 0.0)
+                }
+            };
+            Ok(Rendered {
+                picture,
+                times,
+                read_back_ms,
+                sampler,
+            })
         })
     }
 
@@ -288,9 +305,9 @@ impl Renderer {
     /// # Errors
     /// As [`Self::draw`]; [`Error::Setting`] where this renderer does not draw on a GPU.
     pub fn render_to(&mut self, settings: &Settings, targets: &Targets) -> Result<FrameTimes> {
-        self.with_job(settings, |backend, job, _| match backend {
-            Backend::Gpu(backend) => backend.render_to(job, targets),
-            Backend::Reference => Err(Error::setting(
+        self.with_drawing(settings, |drawing, _| match drawing {
+            Drawing::Gpu(backend, job) => backend.render_to(job, targets),
+            Drawing::Reference(..) => Err(Error::setting(
                 "backend",
                 "only gpu draws into a texture view",
             )),
@@ -302,29 +319,28 @@ impl Renderer {
     /// # Errors
     /// As [`Self::draw`].
     pub fn count(&mut self, settings: &Settings) -> Result<CountedPicture> {
-        self.with_job(settings, |backend, job, _| match backend {
-            Backend::Gpu(backend) => backend.count(job),
-            Backend::Reference => Err(Error::Gpu("not yet".into())),
+        self.with_drawing(settings, |drawing, _| match drawing {
+            Drawing::Gpu(backend, job) => backend.count(job),
+            Drawing::Reference(scene, plan, progress) => reference::render(scene, plan, progress),
         })
     }
 
     /// Makes table, rays and structures for these settings and hands them to `work`.
-    fn with_job<T>(
+    fn with_drawing<T>(
         &mut self,
         settings: &Settings,
-        work: impl FnOnce(&mut Backend, &Job, &Preparation) -> Result<T>,
+        work: impl FnOnce(&mut Drawing, &Preparation) -> Result<T>,
     ) -> Result<T> {
-        let volume = Arc::clone(
-            self.volume
-                .as_ref()
-                .ok_or_else(|| Error::setting("volume", "none was set"))?,
-        );
+        let volume = self
+            .volume
+            .as_ref()
+            .ok_or_else(|| Error::setting("volume", "none was set"))?;
+        let volume = Arc::clone(volume);
         let sampler = self.sampler(settings);
         let table = self.table(settings, &volume)?;
-        let frame: RayFrame =
-            settings
-                .camera
-                .ray_frame(&volume, settings.size, settings.step_voxels)?;
+        let frame = settings
+            .camera
+            .ray_frame(&volume, settings.size, settings.step_voxels)?;
         let scene = Scene {
             volume: &volume,
             table: &table,
@@ -333,16 +349,28 @@ impl Renderer {
             mode: settings.mode,
             ert: settings.ert,
         };
-        let (parts, active, preparation) = self.structures.parts(settings, &scene, &table)?;
-        let job = Job {
-            scene,
-            camera: &settings.camera,
-            parts,
-            block: settings.block,
-            active: &active,
-        };
-        self.cancel.store(false, Ordering::Relaxed);
-        work(&mut self.backend, &job, &preparation)
+        self.progress.restart();
+        match &mut self.backend {
+            Backend::Gpu(backend) => {
+                let (parts, active, preparation) =
+                    self.structures.parts(settings, &scene, &table)?;
+                let job = Job {
+                    scene,
+                    camera: &settings.camera,
+                    parts,
+                    block: settings.block,
+                    active: &active,
+                };
+                work(&mut Drawing::Gpu(backend, job), &preparation)
+            }
+            Backend::Reference => {
+                let (plan, preparation) = self.structures.plan(settings, &scene, &table)?;
+                work(
+                    &mut Drawing::Reference(scene, plan, &self.progress),
+                    &preparation,
+                )
+            }
+        }
     }
 
     fn table(&mut self, settings: &Settings, volume: &Volume) -> Result<Arc<Table>> {
@@ -373,4 +401,26 @@ fn stored_range(volume: &Volume) -> [f64; 2] {
         let (low, high) = v.iter().fold((first, first), |(low, high), &s| (if s < low { s } else { low }, if s > high { s } else { high }));
         [f64::from(low), f64::from(high)]
     })
+}
+
+fn draw_reference(
+    scene: &Scene,
+    plan: &Plan,
+    progress: &Progress,
+) -> Result<(CountedPicture, FrameTimes)> {
+    let start = Instant::now();
+    let counted = reference::render(scene, plan, progress)?;
+    let frame_ms = ms_since(start);
+    Ok((
+        counted,
+        FrameTimes {
+            raster_ms: 0.0,
+            cast_ms: frame_ms,
+            frame_ms,
+        },
+    ))
+}
+
+fn ms_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
 }

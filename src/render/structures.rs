@@ -1,6 +1,7 @@
 //! The structures of the resident volume: built at first use, kept, culled again when the table's zeros move.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
@@ -13,7 +14,7 @@ use crate::camera::{Camera, Projection};
 use crate::error::Result;
 use crate::octree::{Accelerator, Hull, Occupancy};
 use crate::scene::Scene;
-use crate::skip::{self, Skip};
+use crate::skip::{self, Plan, Skip};
 use crate::transfer::Table;
 
 /// Edge in voxels, about, of the boxes that tell which tiles can show anything.
@@ -59,7 +60,7 @@ impl Structures {
         self.range
     }
 
-    /// What the settings' method needs: its parts, near part first, and boxes around all that can be seen.
+    /// What rasterising the settings' method needs: its parts, near part first, and boxes around all that can be seen.
     pub(super) fn parts(
         &mut self,
         settings: &Settings,
@@ -73,47 +74,13 @@ impl Structures {
                 Preparation::default(),
             ));
         }
-        let apron = scene.sampler.apron();
-        if !self.by_block.contains_key(&settings.block) {
-            let start = Instant::now();
-            let accelerator = Accelerator::build(scene.volume, settings.block, apron)?;
-            let build_ms = ms_since(start);
-            self.by_block.insert(
-                settings.block,
-                Kept {
-                    accelerator,
-                    build_ms,
-                    culled: None,
-                },
-            );
-        }
-        let kept = self
-            .by_block
-            .get_mut(&settings.block)
-            .expect("inserted just above");
-        let regions = regions(settings.skip, &kept.accelerator, settings, scene);
-        let is_current = kept
-            .culled
-            .as_ref()
-            .is_some_and(|c| c.mode == settings.mode && c.table.shows_the_same_as(table));
-        if !is_current {
-            self.next_id += 1;
-            kept.culled = Some(Culled::new(
-                self.next_id,
-                settings,
-                scene,
-                table,
-                &kept.accelerator,
-            ));
-        }
-        let culled = kept.culled.as_mut().expect("made just above");
+        let kept = self.culled(settings, scene, table)?;
+        let regions = regions(settings, scene, &kept.accelerator);
+        let (accelerator, build_ms) = (&kept.accelerator, kept.build_ms);
+        let culled = kept.culled.as_mut().expect("culled just above");
         culled.make_hulls(&regions);
-        let culled = kept.culled.as_ref().expect("made just above");
-        let preparation = Preparation {
-            preprocess_ms: kept.build_ms,
-            cull_ms: culled.cull_ms,
-            structure_bytes: kept.accelerator.structure_bytes() as u64 + culled.bytes(),
-        };
+        let culled = &*culled;
+        let preparation = culled.preparation(accelerator, build_ms);
         let parts = regions
             .iter()
             .map(|region| Part {
@@ -128,6 +95,71 @@ impl Structures {
             })
             .collect();
         Ok((parts, culled.boxes.clone(), preparation))
+    }
+
+    /// What finding segments on the CPU needs.
+    pub(super) fn plan(
+        &mut self,
+        settings: &Settings,
+        scene: &Scene,
+        table: &Arc<Table>,
+    ) -> Result<(Plan<'_>, Preparation)> {
+        if settings.skip == Skip::Box {
+            return Ok((Plan::Box, Preparation::default()));
+        }
+        let kept = self.culled(settings, scene, table)?;
+        let culled = kept.culled.as_ref().expect("culled just above");
+        let occupancy = &culled.occupancy;
+        let plan = match settings.skip {
+            Skip::Box => Plan::Box,
+            Skip::Hull => Plan::Hull(skip::Hull { occupancy }),
+            Skip::HalfSplit => {
+                let axis = skip::half_axis(settings.camera.forward());
+                Plan::HalfSplit(skip::HalfSplit {
+                    occupancy,
+                    axis,
+                    cut: kept.accelerator.cut(axis),
+                })
+            }
+        };
+        Ok((plan, culled.preparation(&kept.accelerator, kept.build_ms)))
+    }
+
+    /// The structures of the settings' block size, culled for the table and mode.
+    fn culled(
+        &mut self,
+        settings: &Settings,
+        scene: &Scene,
+        table: &Arc<Table>,
+    ) -> Result<&mut Kept> {
+        let kept = match self.by_block.entry(settings.block) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => {
+                let start = Instant::now();
+                let accelerator =
+                    Accelerator::build(scene.volume, settings.block, scene.sampler.apron())?;
+                entry.insert(Kept {
+                    accelerator,
+                    build_ms: ms_since(start),
+                    culled: None,
+                })
+            }
+        };
+        let is_current = kept
+            .culled
+            .as_ref()
+            .is_some_and(|c| c.mode == settings.mode && c.table.shows_the_same_as(table));
+        if !is_current {
+            self.next_id += 1;
+            kept.culled = Some(Culled::new(
+                self.next_id,
+                settings,
+                scene,
+                table,
+                &kept.accelerator,
+            ));
+        }
+        Ok(kept)
     }
 }
 
@@ -146,13 +178,8 @@ impl Region {
 }
 
 /// The regions of a method, near one first.
-fn regions(
-    skip: Skip,
-    accelerator: &Accelerator,
-    settings: &Settings,
-    scene: &Scene,
-) -> Vec<Region> {
-    match skip {
+fn regions(settings: &Settings, scene: &Scene, accelerator: &Accelerator) -> Vec<Region> {
+    match settings.skip {
         Skip::Box => Vec::new(),
         Skip::Hull => vec![Region {
             half: None,
@@ -283,6 +310,14 @@ impl Culled {
             Some((axis, half)) => self.halves[axis].as_ref().map(|h| &h[half]),
         }
         .expect("hulls are made before they are drawn")
+    }
+
+    fn preparation(&self, accelerator: &Accelerator, build_ms: f64) -> Preparation {
+        Preparation {
+            preprocess_ms: build_ms,
+            cull_ms: self.cull_ms,
+            structure_bytes: accelerator.structure_bytes() as u64 + self.bytes(),
+        }
     }
 
     fn bytes(&self) -> u64 {

@@ -7,7 +7,6 @@ mod tiles;
 
 use std::collections::HashMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use glam::DVec3;
@@ -27,7 +26,7 @@ use crate::gpu::{AdapterKind, Gpu};
 use crate::octree::Hull;
 use crate::render::FrameTimes;
 use crate::sample::Sampler;
-use crate::scene::{CountedPicture, Counters, Picture, Scene};
+use crate::scene::{CountedPicture, Counters, Picture, Progress, Scene};
 use crate::volume::Volume;
 
 /// Iterations of one invocation in one dispatch. Mesa's software driver ends an invocation silently after 65,535, and
@@ -82,7 +81,7 @@ pub(super) struct GpuBackend {
     table: GrowBuffer,
     timer: SpanTimer,
     present: Option<PresentPass>,
-    cancel: Arc<AtomicBool>,
+    progress_of_job: Arc<Progress>,
 }
 
 /// Spans of the timer.
@@ -97,12 +96,12 @@ struct Piece {
 
 impl GpuBackend {
     /// A backend on the best adapter of a kind.
-    pub(super) fn open(kind: AdapterKind) -> Result<Self> {
-        Self::with_device(Gpu::open(kind)?)
+    pub(super) fn open(kind: AdapterKind, progress: Arc<Progress>) -> Result<Self> {
+        Self::with_device(Gpu::open(kind)?, progress)
     }
 
     /// A backend on this device.
-    pub(super) fn with_device(gpu: Gpu) -> Result<Self> {
+    pub(super) fn with_device(gpu: Gpu, progress: Arc<Progress>) -> Result<Self> {
         use wgpu::BufferUsages as Usage;
         let view_layout = gpu
             .device
@@ -135,17 +134,12 @@ impl GpuBackend {
             view_layout,
             gpu,
             present: None,
-            cancel: Arc::default(),
+            progress_of_job: progress,
         })
     }
 
     pub(super) fn gpu(&self) -> &Gpu {
         &self.gpu
-    }
-
-    /// Set from another thread, stops the picture in work with [`Error::Cancelled`].
-    pub(super) fn cancel_flag(&self) -> Arc<AtomicBool> {
-        Arc::clone(&self.cancel)
     }
 
     /// Uploads a volume in place of the last.
@@ -502,7 +496,7 @@ impl GpuBackend {
                 // Each on its own, so that a watchdog sees short work and a cancelled frame ends soon.
                 gpu.queue.submit([encoder.finish()]);
                 gpu.wait()?;
-                if self.cancel.swap(false, Ordering::Relaxed) {
+                if self.progress_of_job.is_cancelled() {
                     return Err(Error::Cancelled);
                 }
                 encoder = gpu
