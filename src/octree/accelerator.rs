@@ -128,3 +128,106 @@ pub fn stored_range_to_x(
     };
     domain.x_from_stored(f64::from(low) - slack)..=domain.x_from_stored(f64::from(high) + slack)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::octree::testing::{self, AnyVolume};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// Whole and halves, of every axis, find the same leaves: those whose range the table shows.
+        #[test]
+        fn halves_of_every_axis_find_the_leaves_of_the_whole(
+            any in AnyVolume::strategy(),
+            log_block in 1u32..=6,
+            band in prop::array::uniform2(0.0f64..=1.0),
+        ) {
+            let volume = any.volume();
+            let table = testing::band(&volume, band[0].min(band[1]), band[0].max(band[1]));
+            let mode = Mode::EmissionAbsorption;
+            let accelerator = Accelerator::build(&volume, 1 << log_block, 1).unwrap();
+            let whole = accelerator.cull(&table, mode);
+            for z in 0..whole.dims[2] {
+                for y in 0..whole.dims[1] {
+                    for x in 0..whole.dims[0] {
+                        let range = accelerator.grid.range([x, y, z]);
+                        let x_range = stored_range_to_x(range, volume.voxels.voxel_type(), table.domain());
+                        prop_assert_eq!(whole.get([x, y, z]), mode.is_active(&table, x_range));
+                    }
+                }
+            }
+            for axis in 0..3 {
+                prop_assert_eq!(&accelerator.cull_halves(axis, &table, mode), &whole);
+            }
+        }
+
+        /// No other leaf boundary is nearer to the middle of the volume, and the halves meet there.
+        #[test]
+        fn the_cut_is_the_leaf_boundary_nearest_the_middle(nx in 1usize..400, log_block in 1u32..=6) {
+            let volume = testing::volume_of([nx, 2, 1], crate::volume::Voxels::U8(vec![0; nx * 2].into()));
+            let accelerator = Accelerator::build(&volume, 1 << log_block, 1).unwrap();
+            let twice_off_middle = |leaf: usize| (2 * leaf * accelerator.grid.block).min(2 * nx).abs_diff(nx);
+            let cut = accelerator.cut(0);
+            for leaf in 0..=accelerator.grid.dims[0] {
+                prop_assert!(twice_off_middle(cut) <= twice_off_middle(leaf));
+            }
+            let [below, above] = [0, 1].map(|half| accelerator.half_region(0, half));
+            prop_assert_eq!(&below[0], &(0..cut));
+            prop_assert_eq!(&above[0], &(cut..accelerator.grid.dims[0]));
+            prop_assert_eq!(&below[1..], &above[1..]);
+        }
+    }
+
+    #[test]
+    fn only_powers_of_two_from_2_to_64_are_blocks() {
+        let volume = testing::volume_of([3, 2, 1], crate::volume::Voxels::U8(vec![0; 6].into()));
+        for block in 0..=130 {
+            let made = Accelerator::build(&volume, block, 1);
+            assert_eq!(
+                made.is_ok(),
+                [2, 4, 8, 16, 32, 64].contains(&block),
+                "{block}"
+            );
+            if let Err(error) = made {
+                assert!(error.to_string().starts_with("block: "), "{error}");
+                assert!(error.is_bad_input());
+            }
+        }
+    }
+
+    #[test]
+    fn trees_are_built_at_first_use_and_kept() {
+        let voxels: Vec<u8> = (0..32 * 32 * 32).map(|i| (i % 255) as u8).collect();
+        let volume = testing::volume_of([32; 3], crate::volume::Voxels::U8(voxels.into()));
+        let accelerator = Accelerator::build(&volume, 4, 1).unwrap();
+        let leaves_only = accelerator.structure_bytes();
+        assert_eq!(leaves_only, 8 * 8 * 8 * size_of::<[f32; 2]>());
+        let first = accelerator.halves(1);
+        let with_halves = accelerator.structure_bytes();
+        assert_eq!(
+            with_halves,
+            leaves_only + first[0].bytes() + first[1].bytes()
+        );
+        assert!(std::ptr::eq(first, accelerator.halves(1)));
+        accelerator.whole();
+        assert!(accelerator.structure_bytes() > with_halves);
+    }
+
+    /// 4 ulp of the larger magnitude on both sides of a float range; integers stay as they are.
+    #[test]
+    fn float_ranges_are_widened_and_integer_ranges_are_not() {
+        let volume = testing::volume_of(
+            [2, 1, 1],
+            crate::volume::Voxels::F32(vec![-256.0, 255.0].into()),
+        );
+        let domain = Domain::new(&volume, [0.0, 255.0], 256).unwrap();
+        let widened = stored_range_to_x([-2.0, 1.0], VoxelType::F32, &domain);
+        let slack = 4.0 * 2f64.powi(-22);
+        assert_eq!(widened, -2.0 - slack..=1.0 + slack);
+        assert_eq!(
+            stored_range_to_x([-2.0, 1.0], VoxelType::I16, &domain),
+            -2.0..=1.0
+        );
+    }
+}

@@ -49,10 +49,11 @@ impl Hull {
         if region.iter().any(Range::is_empty) {
             return Self::default();
         }
-        let layers: [Layers; 3] = [
-            Layers::across_x(occupancy, &region),
-            Layers::across_y(occupancy, &region),
-            Layers::across_z(occupancy, &region),
+        let [x, y, z] = region;
+        let layers = [
+            Layers::across_x(occupancy, &x, &y, &z),
+            Layers::across_y(occupancy, &x, &y, &z),
+            Layers::across_z(occupancy, &x, &y, &z),
         ];
         let tasks: Vec<(usize, usize)> = (0..6)
             .flat_map(|direction| (0..layers[direction / 2].count()).map(move |i| (direction, i)))
@@ -104,7 +105,12 @@ impl Layers {
     }
 
     /// Rows are along x and follow each other along y.
-    fn across_z(occupancy: &Occupancy, [x, y, z]: &[Range<usize>; 3]) -> Self {
+    fn across_z(
+        occupancy: &Occupancy,
+        x: &Range<usize>,
+        y: &Range<usize>,
+        z: &Range<usize>,
+    ) -> Self {
         let mut layers = Self::new(2, [z.start, 0, y.start], [z.len(), x.end, y.len()]);
         for (layer, z) in z.clone().enumerate() {
             for (row, y) in y.clone().enumerate() {
@@ -115,7 +121,12 @@ impl Layers {
     }
 
     /// Rows are along x and follow each other along z.
-    fn across_y(occupancy: &Occupancy, [x, y, z]: &[Range<usize>; 3]) -> Self {
+    fn across_y(
+        occupancy: &Occupancy,
+        x: &Range<usize>,
+        y: &Range<usize>,
+        z: &Range<usize>,
+    ) -> Self {
         let mut layers = Self::new(1, [y.start, 0, z.start], [y.len(), x.end, z.len()]);
         for (row, z) in z.clone().enumerate() {
             for (layer, y) in y.clone().enumerate() {
@@ -126,7 +137,12 @@ impl Layers {
     }
 
     /// Rows are along y, so bits have to be transposed, and follow each other along z.
-    fn across_x(occupancy: &Occupancy, [x, y, z]: &[Range<usize>; 3]) -> Self {
+    fn across_x(
+        occupancy: &Occupancy,
+        x: &Range<usize>,
+        y: &Range<usize>,
+        z: &Range<usize>,
+    ) -> Self {
         let mut layers = Self::new(0, [x.start, y.start, z.start], [x.len(), y.len(), z.len()]);
         for (row, z) in z.clone().enumerate() {
             for y_word in 0..layers.words_per_row {
@@ -236,5 +252,112 @@ fn take_rectangles(
             }
             take(run, row..end);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+    use crate::octree::testing::AnyOccupancy;
+    use proptest::prelude::*;
+
+    /// Every unit face of the region's hull by the definition: (axis, positive, plane, in-plane coordinates).
+    fn unit_faces(occupancy: &Occupancy, region: &[Range<usize>; 3]) -> Vec<(Face, u32)> {
+        let active =
+            |at: [usize; 3]| (0..3).all(|a| region[a].contains(&at[a])) && occupancy.get(at);
+        let mut faces = Vec::new();
+        for z in region[2].clone() {
+            for y in region[1].clone() {
+                for x in region[0].clone() {
+                    for direction in 0..6 {
+                        let (axis, positive) = (direction / 2, direction % 2 == 1);
+                        let at = [x, y, z];
+                        let mut beyond = at;
+                        beyond[axis] =
+                            beyond[axis].wrapping_add_signed(if positive { 1 } else { -1 });
+                        if active(at) && !active(beyond) {
+                            let corner = [1, 2].map(|i| at[(axis + i) % 3] as u16);
+                            faces.push((
+                                Face {
+                                    axis: axis as u8,
+                                    positive,
+                                    plane: (at[axis] + usize::from(positive)) as u16,
+                                    min: corner,
+                                    max: corner.map(|c| c + 1),
+                                },
+                                1,
+                            ));
+                        }
+                    }
+                }
+            }
+        }
+        faces
+    }
+
+    proptest! {
+        #[test]
+        fn rectangles_cover_every_exposed_unit_face_once_and_nothing_else(any in AnyOccupancy::strategy()) {
+            let (occupancy, region) = (any.occupancy(), any.region());
+            let hull = Hull::build(&occupancy, region.clone());
+            let mut covered: HashMap<Face, u32> = HashMap::new();
+            for face in &hull.faces {
+                for u in face.min[0]..face.max[0] {
+                    for v in face.min[1]..face.max[1] {
+                        let unit = Face { min: [u, v], max: [u + 1, v + 1], ..*face };
+                        *covered.entry(unit).or_default() += 1;
+                    }
+                }
+            }
+            let expected: HashMap<Face, u32> = unit_faces(&occupancy, &region).into_iter().collect();
+            prop_assert_eq!(covered, expected);
+        }
+
+        #[test]
+        fn faces_are_sorted_by_direction_and_plane(any in AnyOccupancy::strategy()) {
+            let hull = Hull::build(&any.occupancy(), any.region());
+            let direction = |f: &Face| usize::from(f.axis) * 2 + usize::from(f.positive);
+            prop_assert!(hull.faces.is_sorted_by_key(|f| (direction(f), f.plane)));
+            let mut next = 0;
+            for (d, range) in hull.by_direction.iter().enumerate() {
+                prop_assert_eq!(range.start, next);
+                prop_assert!(hull.faces[range.clone()].iter().all(|f| direction(f) == d));
+                next = range.end;
+            }
+            prop_assert_eq!(next, hull.faces.len());
+        }
+    }
+
+    #[test]
+    fn a_full_region_has_six_faces() {
+        let mut occupancy = Occupancy::new([300, 5, 7], 2);
+        for z in 0..4 {
+            for y in 0..3 {
+                for x in 0..150 {
+                    occupancy.set([x, y, z]);
+                }
+            }
+        }
+        let hull = Hull::build(&occupancy, [30..131, 0..3, 1..4]);
+        let face = |axis, positive, plane, min, max| Face {
+            axis,
+            positive,
+            plane,
+            min,
+            max,
+        };
+        assert_eq!(
+            hull.faces,
+            [
+                face(0, false, 30, [0, 1], [3, 4]),
+                face(0, true, 131, [0, 1], [3, 4]),
+                face(1, false, 0, [1, 30], [4, 131]),
+                face(1, true, 3, [1, 30], [4, 131]),
+                face(2, false, 1, [30, 0], [131, 3]),
+                face(2, true, 4, [30, 0], [131, 3]),
+            ]
+        );
     }
 }

@@ -1,8 +1,11 @@
 //! Volumes for this module's tests: random, of every voxel type and of awkward sizes.
 
+use std::ops::Range;
+
 use glam::{DMat3, DVec3};
 use proptest::prelude::*;
 
+use crate::octree::Occupancy;
 use crate::transfer::{ControlPoint, Domain, Table, TransferFunction};
 use crate::volume::{Rescale, Volume, VoxelType, Voxels};
 use crate::with_voxels;
@@ -22,6 +25,7 @@ pub(super) fn volume_of(dims: [usize; 3], voxels: Voxels) -> Volume {
 }
 
 /// The stored number of voxel (x, y, z).
+#[allow(clippy::useless_conversion)] // of f32, one of the types that the macro expands to
 pub(super) fn stored(volume: &Volume, [x, y, z]: [usize; 3]) -> f32 {
     let at = (z * volume.dims[1] + y) * volume.dims[0] + x;
     with_voxels!(&volume.voxels, v => f32::from(v[at]))
@@ -108,6 +112,68 @@ fn mix(h: u64) -> u64 {
     let h = (h ^ (h >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let h = (h ^ (h >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     h ^ (h >> 31)
+}
+
+/// Random activity and a region to look at.
+#[derive(Debug, Clone)]
+pub(super) struct AnyOccupancy {
+    dims: [usize; 3],
+    /// Parts of each axis where the region starts and ends.
+    ends: [[f64; 2]; 3],
+    /// Share of active leaves in 256ths: sparse, mixed and dense activity merge differently.
+    filled: u8,
+    /// Edge of the cubes of leaves that are alike.
+    grain: usize,
+    seed: u64,
+}
+
+impl AnyOccupancy {
+    /// Grids of up to three words per row, and regions that may be empty.
+    pub(super) fn strategy() -> impl Strategy<Value = Self> {
+        let dims = prop_oneof![
+            prop::array::uniform3(1usize..12),
+            [60usize..140, 1usize..5, 1usize..5],
+            [1usize..5, 60usize..140, 1usize..5],
+        ];
+        let ends = prop_oneof![
+            Just([[0.0, 1.0]; 3]),
+            prop::array::uniform3(prop::array::uniform2(0.0f64..=1.0)),
+        ];
+        (dims, ends, any::<u8>(), 1usize..5, any::<u64>()).prop_map(
+            |(dims, ends, filled, grain, seed)| Self {
+                dims,
+                ends,
+                filled,
+                grain,
+                seed,
+            },
+        )
+    }
+
+    /// The activity, one voxel short of whole blocks along every axis.
+    pub(super) fn occupancy(&self) -> Occupancy {
+        let mut occupancy = Occupancy::new(self.dims.map(|n| n * 4 - 1), 4);
+        for z in 0..self.dims[2] {
+            for y in 0..self.dims[1] {
+                for x in 0..self.dims[0] {
+                    let grain = [x, y, z].map(|i| (i / self.grain) as u64);
+                    let hash = grain.iter().fold(self.seed, |h, &i| mix(h ^ i));
+                    if hash as u8 <= self.filled {
+                        occupancy.set([x, y, z]);
+                    }
+                }
+            }
+        }
+        occupancy
+    }
+
+    /// The region.
+    pub(super) fn region(&self) -> [Range<usize>; 3] {
+        std::array::from_fn(|a| {
+            let [start, end] = self.ends[a].map(|part| (part * self.dims[a] as f64) as usize);
+            start.min(end)..end
+        })
+    }
 }
 
 /// The smallest and largest stored number.

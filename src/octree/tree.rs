@@ -286,3 +286,107 @@ impl Level {
         self.cells[(z * self.dims[1] + y) * self.dims[0] + x]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::octree::testing::{AnyVolume, volume_of};
+    use crate::volume::Voxels;
+    use proptest::prelude::*;
+
+    /// The leaves of `region` that `is_active` accepts, one by one.
+    fn brute_force(
+        grid: &LeafGrid,
+        region: &[Range<usize>; 3],
+        is_active: impl Fn([f32; 2]) -> bool,
+    ) -> Occupancy {
+        let mut occupancy = Occupancy::new(grid.volume_dims, grid.block);
+        for z in region[2].clone() {
+            for y in region[1].clone() {
+                for x in region[0].clone() {
+                    if is_active(grid.range([x, y, z])) {
+                        occupancy.set([x, y, z]);
+                    }
+                }
+            }
+        }
+        occupancy
+    }
+
+    proptest! {
+        /// Merging and skipping nodes whole changes no leaf's class, in any region.
+        #[test]
+        fn culling_classifies_as_the_plain_grid_of_leaves(
+            any in AnyVolume::strategy(),
+            log_block in 1u32..=6,
+            ends in prop::array::uniform3(prop::array::uniform2(0.0f64..=1.0)),
+            band in prop::array::uniform2(-300.0f32..300.0),
+        ) {
+            let volume = any.volume();
+            let grid = LeafGrid::build(&volume, 1 << log_block, 1);
+            let is_active = |[low, high]: [f32; 2]| low < band[0].max(band[1]) && band[0].min(band[1]) < high;
+            let part: [Range<usize>; 3] = std::array::from_fn(|a| {
+                let [start, end] = ends[a].map(|part| (part * grid.dims[a] as f64) as usize);
+                start.min(end)..end
+            });
+            for region in [grid.dims.map(|n| 0..n), part] {
+                let mut culled = Occupancy::new(grid.volume_dims, grid.block);
+                Octree::build(&grid, region.clone()).cull(&is_active, &mut culled);
+                prop_assert_eq!(culled, brute_force(&grid, &region, is_active));
+            }
+        }
+    }
+
+    /// Sizes over several slabs, words and blocks that the random volumes do not reach.
+    #[test]
+    fn culling_is_exact_on_large_odd_volumes() {
+        let dims = [257, 255, 63];
+        let voxels: Vec<u8> = (0..dims.iter().product::<usize>())
+            .map(|i| {
+                if i / 4096 % 3 == 0 {
+                    (i % 251) as u8
+                } else {
+                    7
+                }
+            })
+            .collect();
+        let volume = volume_of(dims, Voxels::U8(voxels.into()));
+        for block in [2, 4, 8, 64] {
+            let grid = LeafGrid::build(&volume, block, 1);
+            let region = grid.dims.map(|n| 0..n);
+            let is_active = |[low, high]: [f32; 2]| low < 7.0 || high > 240.0;
+            let mut culled = Occupancy::new(dims, block);
+            Octree::build(&grid, region.clone()).cull(&is_active, &mut culled);
+            let expected = brute_force(&grid, &region, is_active);
+            assert!(culled == expected, "block {block}");
+            assert!(expected.count() > 0, "block {block}");
+        }
+    }
+
+    #[test]
+    fn a_uniform_volume_is_one_node() {
+        let volume = volume_of([65, 33, 17], Voxels::U8(vec![9; 65 * 33 * 17].into()));
+        let grid = LeafGrid::build(&volume, 2, 1);
+        let tree = Octree::build(&grid, grid.dims.map(|n| 0..n));
+        assert_eq!(tree.node_count(), 1);
+        let mut culled = Occupancy::new(grid.volume_dims, 2);
+        tree.cull(&|range| range == [9.0, 9.0], &mut culled);
+        assert_eq!(culled.count(), grid.dims.iter().product());
+    }
+
+    #[test]
+    fn trees_share_the_ranges_of_their_grid() {
+        let volume = volume_of(
+            [40, 40, 40],
+            Voxels::U8((0..64_000).map(|i| i as u8).collect::<Vec<_>>().into()),
+        );
+        let grid = LeafGrid::build(&volume, 2, 1);
+        let tree = Octree::build(&grid, [3..20, 0..20, 0..11]);
+        assert!(std::ptr::eq(tree.grid.ranges(), grid.ranges()));
+        let leaves = 17 * 20 * 11;
+        assert!(
+            tree.bytes() < leaves * 12 / 4,
+            "nodes stand above the leaves only"
+        );
+    }
+}
