@@ -136,7 +136,33 @@ mod tests {
     use crate::transfer::lookup;
     use proptest::prelude::*;
 
+    /// Whether the interpolated table has any opacity at `x`.
+    fn shows(table: &Table, x: f64) -> bool {
+        let domain = table.domain();
+        let (lower, f) = lookup(x, domain.entries as f64, domain.snap());
+        let lower = lower as usize;
+        let upper = (lower + 1).min(domain.entries - 1);
+        let [a, b] = [lower, upper].map(|i| f64::from(table.rgba()[i][3]));
+        a + f * (b - a) != 0.0
+    }
+
     proptest! {
+        /// A range that ends a hair beside an invisible entry is inactive only as far as shaders, with their rounding, snap
+        /// onto that entry.
+        #[test]
+        fn an_inactive_range_may_end_only_where_shaders_snap(entry in 0u8..=255, snaps in -8.0f64..8.0) {
+            let volume = testing::volume_of([256, 1, 1], crate::volume::Voxels::U8((0..=255).collect::<Vec<_>>().into()));
+            let table = testing::band(&volume, 0.3, 0.7);
+            let snap = table.domain().snap();
+            // Also at the two entries beside the visible band, where it matters.
+            for entry in [f64::from(entry), 76.0, 77.0, 178.0, 179.0] {
+                let x = entry + snaps * snap;
+                if !Mode::EmissionAbsorption.is_active(&table, x..=x) {
+                    prop_assert!(!shows(&table, x - 0.49 * snap) && !shows(&table, x + 0.49 * snap));
+                }
+            }
+        }
+
         /// Whole and halves, of every axis, find the same leaves: those whose range the table shows.
         #[test]
         fn halves_of_every_axis_find_the_leaves_of_the_whole(
@@ -175,13 +201,7 @@ mod tests {
             let volume = any.volume();
             let table = testing::band(&volume, band[0].min(band[1]), band[0].max(band[1]));
             let domain = table.domain();
-            let shows = |x: f64| {
-                let (lower, f) = lookup(x, domain.entries as f64, domain.snap());
-                let lower = lower as usize;
-                let upper = (lower + 1).min(domain.entries - 1);
-                let [a, b] = [lower, upper].map(|i| f64::from(table.rgba()[i][3]));
-                a + f * (b - a) != 0.0
-            };
+            let shows = |x: f64| shows(&table, x);
             let accelerator = Accelerator::build(&volume, 1 << log_block, 1).unwrap();
             let active = accelerator.cull(&table, Mode::EmissionAbsorption);
             for z in 0..active.dims[2] {
