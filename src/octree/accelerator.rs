@@ -133,9 +133,36 @@ pub fn stored_range_to_x(
 mod tests {
     use super::*;
     use crate::octree::testing::{self, AnyVolume};
+    use crate::transfer::lookup;
     use proptest::prelude::*;
 
+    /// Whether the interpolated table has any opacity at `x`.
+    fn shows(table: &Table, x: f64) -> bool {
+        let domain = table.domain();
+        let (lower, f) = lookup(x, domain.entries as f64, domain.snap());
+        let lower = lower as usize;
+        let upper = (lower + 1).min(domain.entries - 1);
+        let [a, b] = [lower, upper].map(|i| f64::from(table.rgba()[i][3]));
+        a + f * (b - a) != 0.0
+    }
+
     proptest! {
+        /// A range that ends a hair beside an invisible entry is inactive only as far as shaders, with their rounding, snap
+        /// onto that entry.
+        #[test]
+        fn an_inactive_range_may_end_only_where_shaders_snap(entry in 0u8..=255, snaps in -8.0f64..8.0) {
+            let volume = testing::volume_of([256, 1, 1], crate::volume::Voxels::U8((0..=255).collect::<Vec<_>>().into()));
+            let table = testing::band(&volume, 0.3, 0.7);
+            let snap = table.domain().snap();
+            // Also at the two entries beside the visible band, where it matters.
+            for entry in [f64::from(entry), 76.0, 77.0, 178.0, 179.0] {
+                let x = entry + snaps * snap;
+                if !Mode::EmissionAbsorption.is_active(&table, x..=x) {
+                    prop_assert!(!shows(&table, x - 0.49 * snap) && !shows(&table, x + 0.49 * snap));
+                }
+            }
+        }
+
         /// Whole and halves, of every axis, find the same leaves: those whose range the table shows.
         #[test]
         fn halves_of_every_axis_find_the_leaves_of_the_whole(
@@ -159,6 +186,42 @@ mod tests {
             }
             for axis in 0..3 {
                 prop_assert_eq!(&accelerator.cull_halves(axis, &table, mode), &whole);
+            }
+        }
+
+        /// Contract 4: nothing shows at any table coordinate that an inactive leaf's samples can have, with the rounding
+        /// that shaders snap away on top; and an active leaf has a visible entry within reach.
+        #[test]
+        fn an_inactive_leaf_shows_nothing(
+            any in AnyVolume::strategy(),
+            log_block in 1u32..=4,
+            band in prop::array::uniform2(0.0f64..=1.0),
+            parts in prop::collection::vec(0.0f64..=1.0, 8),
+        ) {
+            let volume = any.volume();
+            let table = testing::band(&volume, band[0].min(band[1]), band[0].max(band[1]));
+            let domain = table.domain();
+            let shows = |x: f64| shows(&table, x);
+            let accelerator = Accelerator::build(&volume, 1 << log_block, 1).unwrap();
+            let active = accelerator.cull(&table, Mode::EmissionAbsorption);
+            for z in 0..active.dims[2] {
+                for y in 0..active.dims[1] {
+                    for x in 0..active.dims[0] {
+                        let range = accelerator.grid.range([x, y, z]);
+                        let range = stored_range_to_x(range, volume.voxels.voxel_type(), domain);
+                        let (low, high) = (*range.start(), *range.end());
+                        if active.get([x, y, z]) {
+                            let last = (domain.entries - 1) as f64;
+                            let entry = |x: f64| x.clamp(0.0, last) as usize;
+                            let reach = entry(low.floor())..=entry(high.ceil());
+                            prop_assert!(table.rgba()[reach].iter().any(|e| e[3] != 0.0));
+                        } else {
+                            let rounding = domain.snap() * 0.49;
+                            prop_assert!(!shows(low - rounding) && !shows(high + rounding));
+                            prop_assert!(!parts.iter().any(|f| shows(low + f * (high - low))));
+                        }
+                    }
+                }
             }
         }
 

@@ -19,8 +19,9 @@ pub struct LeafGrid {
     pub dims: [usize; 3],
     /// Voxels along x, y, z.
     pub volume_dims: [usize; 3],
-    /// Stored numbers (min, max), x fastest.
-    ranges: Arc<[[f32; 2]]>,
+    /// Stored numbers (min, max), x fastest. Of small blocks these are the largest structure there is, so they are
+    /// shared, and not even moved once built (as they would be into an `Arc` of a slice).
+    ranges: Arc<Vec<[f32; 2]>>,
 }
 
 impl LeafGrid {
@@ -53,7 +54,7 @@ impl LeafGrid {
             block,
             dims,
             volume_dims: volume.dims,
-            ranges: ranges.into(),
+            ranges: Arc::new(ranges),
         }
     }
 
@@ -69,7 +70,7 @@ impl LeafGrid {
 
     /// Bytes of the ranges.
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.ranges)
+        size_of_val(self.ranges())
     }
 }
 

@@ -200,11 +200,14 @@ impl<F: Fn([f32; 2]) -> bool> Walk<'_, F> {
     }
 
     fn classify_leaves(&mut self, x: Range<usize>, y: usize, z: usize) {
-        let [rx, ry, rz] = self.tree.region.clone().map(|r| r.start);
-        for x in x {
-            if (self.is_active)(self.tree.grid.range([rx + x, ry + y, rz + z])) {
-                self.row(y, z)[(rx + x) / 64] |= 1 << ((rx + x) % 64);
-            }
+        let Octree { grid, region, .. } = self.tree;
+        let row = (region[2].start + z) * grid.dims[1] + region[1].start + y;
+        let x = region[0].start + x.start..region[0].start + x.end;
+        let ranges = &grid.ranges()[row * grid.dims[0]..][x.clone()];
+        let is_active = self.is_active;
+        let out = self.row(y, z);
+        for (x, &range) in x.zip(ranges) {
+            out[x / 64] |= u64::from(is_active(range)) << (x % 64);
         }
     }
 
