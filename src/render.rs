@@ -1,6 +1,7 @@
 //! The [`Renderer`]: owns the backend, the resident volume and the structures, and draws pictures.
 
 mod gpu;
+mod self_check;
 mod structures;
 
 use std::sync::Arc;
@@ -23,18 +24,35 @@ use self::structures::Structures;
 pub use self::gpu::Targets;
 
 /// Which backend to take.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BackendChoice {
     /// A hardware GPU if there is one, else the CPU. A software adapter only when asked for by [`Self::Gpu`].
     Auto,
     /// The best adapter there is, hardware or software.
     Gpu,
-    /// The f64 reference on the CPU.
+    /// The CPU, with SIMD.
+    Cpu,
+    /// The CPU in f64: slow, and what the others are measured against.
     Reference,
 }
 
+impl BackendChoice {
+    /// All choices.
+    pub const ALL: &[Self] = &[Self::Auto, Self::Gpu, Self::Cpu, Self::Reference];
+
+    /// The name used by flags and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Gpu => "gpu",
+            Self::Cpu => "cpu",
+            Self::Reference => "reference",
+        }
+    }
+}
+
 /// Everything that is chosen for one picture besides the volume and its transfer function.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// WHERE samples are taken.
     pub skip: Skip,
@@ -57,7 +75,7 @@ pub struct Settings {
 }
 
 /// What draws the pictures.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct BackendInfo {
     /// `gpu` or `reference`.
     pub backend: &'static str,
@@ -114,6 +132,8 @@ pub struct Renderer {
     /// The table baked last, with what it was baked for.
     table: Option<(TableKey, Arc<Table>)>,
     progress: Arc<Progress>,
+    /// Methods that failed this adapter's self-check: drawn by box instead.
+    withdrawn: Vec<Skip>,
 }
 
 enum Backend {
@@ -141,20 +161,17 @@ impl Renderer {
     pub fn new(choice: BackendChoice) -> Result<Self> {
         let progress = Arc::<Progress>::default();
         match choice {
-            BackendChoice::Gpu => Ok(Self::on(
-                GpuBackend::open(AdapterKind::Any, Arc::clone(&progress))?,
-                progress,
-            )),
+            BackendChoice::Gpu => Self::on(GpuBackend::open(AdapterKind::Any, Arc::clone(&progress))?, progress),
             BackendChoice::Auto => {
                 match GpuBackend::open(AdapterKind::Hardware, Arc::clone(&progress)) {
-                    Ok(backend) => Ok(Self::on(backend, progress)),
+                    Ok(backend) => Self::on(backend, progress),
                     Err(error) => {
                         tracing::info!("{error}; drawing on the CPU");
                         Self::new(BackendChoice::Reference)
                     }
                 }
             }
-            BackendChoice::Reference => Ok(Self::with_backend(
+            BackendChoice::Cpu | BackendChoice::Reference => Ok(Self::with_backend(
                 Backend::Reference,
                 BackendInfo {
                     backend: "reference",
@@ -173,13 +190,11 @@ impl Renderer {
     /// [`Error::Gpu`] where the device cannot compile the passes.
     pub fn with_device(gpu: Gpu) -> Result<Self> {
         let progress = Arc::<Progress>::default();
-        Ok(Self::on(
-            GpuBackend::with_device(gpu, Arc::clone(&progress))?,
-            progress,
-        ))
+        Self::on(GpuBackend::with_device(gpu, Arc::clone(&progress))?, progress)
     }
 
-    fn on(backend: GpuBackend, progress: Arc<Progress>) -> Self {
+    /// On this backend, less what its self-check withdraws.
+    fn on(backend: GpuBackend, progress: Arc<Progress>) -> Result<Self> {
         let info = &backend.gpu().info;
         let info = BackendInfo {
             backend: "gpu",
@@ -189,7 +204,13 @@ impl Renderer {
                 .to_owned(),
             is_software: backend.gpu().is_software(),
         };
-        Self::with_backend(Backend::Gpu(Box::new(backend)), info, progress)
+        let mut renderer = Self::with_backend(Backend::Gpu(Box::new(backend)), info, progress);
+        renderer.withdrawn = self_check::withdrawn(&mut renderer, self_check::cache_file().as_deref())?;
+        for skip in &renderer.withdrawn {
+            tracing::warn!("{} failed the self-check on this adapter: box is drawn instead", skip.method().name);
+        }
+        renderer.forget_volume();
+        Ok(renderer)
     }
 
     fn with_backend(backend: Backend, info: BackendInfo, progress: Arc<Progress>) -> Self {
@@ -201,12 +222,18 @@ impl Renderer {
             transfer: None,
             table: None,
             progress,
+            withdrawn: Vec::new(),
         }
     }
 
     /// What draws the pictures.
     pub fn info(&self) -> &BackendInfo {
         &self.info
+    }
+
+    /// Methods that failed the self-check on this adapter; box is drawn in their place.
+    pub fn withdrawn(&self) -> &[Skip] {
+        &self.withdrawn
     }
 
     /// How far the picture in work is, where the backend tells rows, and the way to stop it from another thread.
@@ -219,15 +246,19 @@ impl Renderer {
     /// # Errors
     /// [`Error::Limit`] where it exceeds what the adapter takes.
     pub fn set_volume(&mut self, volume: Arc<Volume>) -> Result<()> {
-        self.structures = Structures::default();
-        self.table = None;
-        self.volume = None;
+        self.forget_volume();
         if let Backend::Gpu(backend) = &mut self.backend {
             backend.set_volume(&volume)?;
         }
         self.structures.set_range(stored_range(&volume));
         self.volume = Some(volume);
         Ok(())
+    }
+
+    fn forget_volume(&mut self) {
+        self.structures = Structures::default();
+        self.table = None;
+        self.volume = None;
     }
 
     /// Takes a transfer function in place of the last. Trees are kept: only culling follows.
@@ -331,6 +362,13 @@ impl Renderer {
         settings: &Settings,
         work: impl FnOnce(&mut Drawing, &Preparation) -> Result<T>,
     ) -> Result<T> {
+        let fallback;
+        let settings = if self.withdrawn.contains(&settings.skip) {
+            fallback = Settings { skip: Skip::Box, ..*settings };
+            &fallback
+        } else {
+            settings
+        };
         let volume = self
             .volume
             .as_ref()

@@ -101,6 +101,33 @@ mod tests {
     }
 
     #[test]
+    fn every_permutation_parses_and_validates() {
+        let names = |folder: &str| -> Vec<&str> {
+            let strip = |(name, _): &(&'static str, &str)| -> Option<&'static str> {
+                name.strip_prefix(folder)?.strip_suffix(".inc")
+            };
+            SHADERS.iter().filter_map(strip).collect()
+        };
+        let mut composed = vec![compose("faces", &[]).unwrap(), compose("present", &[]).unwrap()];
+        for skip in names("skip/") {
+            for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
+                for mode in names("mode/") {
+                    for count in names("count/") {
+                        let choices = [("SKIP", skip), ("SAMPLER", sampler), ("MODE", mode), ("COUNT", count)];
+                        composed.push(compose("march", &choices).unwrap());
+                    }
+                }
+            }
+        }
+        for text in composed {
+            let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+            naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
+                .validate(&module)
+                .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+        }
+    }
+
+    #[test]
     fn an_unknown_import_is_named() {
         let error = compose("march", &[("SKIP", "nowhere")])
             .unwrap_err()
