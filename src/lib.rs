@@ -4,8 +4,11 @@
 pub mod camera;
 pub mod error;
 pub mod lattice;
+pub mod measure;
 pub mod mode;
 pub mod octree;
+pub mod output;
+pub mod render;
 pub mod sample;
 pub mod scene;
 pub mod skip;
