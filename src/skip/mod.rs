@@ -3,7 +3,23 @@
 //! A method yields for each ray an ascending list of half-open ranges of sample indices. It may leave out only samples
 //! whose contribution is exactly zero (unless its row says lossy), so that the picture is bit-identical to [`Skip::Box`].
 
+mod bounding_box;
+mod half_split;
+mod hull;
+#[cfg(test)]
+mod tests;
+mod traversal;
+
+pub use half_split::HalfSplit;
+pub use hull::Hull;
+
 use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::lattice::{Ray, Real};
+use crate::octree::Occupancy;
+use traversal::Line;
 
 /// The choice of skipping method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -84,9 +100,103 @@ impl Skip {
     }
 }
 
+/// A method made ready for one picture: which blocks count as active, where the cut lies.
+#[derive(Debug, Clone, Copy)]
+pub enum Plan<'a> {
+    /// [`Skip::Box`].
+    Box,
+    /// [`Skip::Hull`].
+    Hull(Hull<'a>),
+    /// [`Skip::HalfSplit`].
+    HalfSplit(HalfSplit<'a>),
+}
+
+impl<'a> Plan<'a> {
+    /// The method `skip` over these blocks for a camera that looks along `forward`; half-split cuts in the middle.
+    pub fn new(skip: Skip, occupancy: &'a Occupancy, forward: DVec3) -> Self {
+        match skip {
+            Skip::Box => Self::Box,
+            Skip::Hull => Self::Hull(Hull { occupancy }),
+            Skip::HalfSplit => {
+                let axis = half_axis(forward);
+                Self::HalfSplit(HalfSplit {
+                    occupancy,
+                    axis,
+                    cut: occupancy.dims[axis] / 2,
+                })
+            }
+        }
+    }
+
+    /// The segments of a ray, whatever numbers it was computed in.
+    ///
+    /// A sample is left out only where its position, as [`Ray::at`] rounds it, lies less than half a voxel outside an
+    /// inactive block: the closed support of that block still holds all voxels that it touches.
+    pub fn segments<R: Real + Into<f64>>(&self, ray: &Ray<R>) -> impl Segments + use<R> {
+        let Some(line) = Line::new(ray) else {
+            return Listed::default();
+        };
+        match self {
+            Self::Box => bounding_box::segments(&line),
+            Self::Hull(hull) => hull.segments(&line),
+            Self::HalfSplit(half_split) => half_split.segments(&line),
+        }
+    }
+}
+
+/// The axis that half-split cuts across for a camera that looks along `forward`: the largest component, the first of
+/// equals.
+pub fn half_axis(forward: DVec3) -> usize {
+    let size = forward.abs();
+    (1..3).fold(0, |best, a| if size[a] > size[best] { a } else { best })
+}
+
 /// The segments of one ray, asked for one after another.
 pub trait Segments {
     /// The next segment at or after sample `k`, not empty; `None` at the end of the ray. `state` is what a mode tells
     /// of its progress (the running maximum, say; NaN where a mode has nothing to tell).
     fn next(&mut self, k: u32, state: f64) -> Option<Range<u32>>;
+
+    /// Segments given so far, and steps taken between samples to find them; what was known before the march is free.
+    fn steps(&self) -> u32;
+}
+
+/// The most segments of a [`Listed`].
+const MAX_LISTED: usize = 2;
+
+/// Segments that are known before the march, ascending and disjoint.
+#[derive(Debug, Clone, Default)]
+struct Listed {
+    ranges: [Range<u32>; MAX_LISTED],
+    len: usize,
+    given: usize,
+}
+
+impl Listed {
+    /// Appends the part of `range` that lies after the last one, if there is any.
+    fn push(&mut self, range: Range<u32>) {
+        let after = self.ranges[..self.len].last().map_or(0, |last| last.end);
+        let start = range.start.max(after);
+        if start < range.end {
+            self.ranges[self.len] = start..range.end;
+            self.len += 1;
+        }
+    }
+}
+
+impl Segments for Listed {
+    #[inline]
+    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+        while let Some(range) = self.ranges[..self.len].get(self.given) {
+            self.given += 1;
+            if k < range.end {
+                return Some(range.start.max(k)..range.end);
+            }
+        }
+        None
+    }
+
+    fn steps(&self) -> u32 {
+        self.given as u32
+    }
 }
