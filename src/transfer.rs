@@ -231,16 +231,22 @@ impl Table {
         // Half the shaders' tolerance: what they snap to an entry, this does not push beyond it, and the other way round
         // it only ever counts one entry too many.
         let half_snap = self.domain.snap() * 0.5;
-        let snapped = |x: f64| {
-            if (x - x.round()).abs() <= half_snap {
-                x.round()
+        // Culling asks this of every block. Conversion truncates, which is floor from 0 on, and costs no call as
+        // `f64::floor` does where the target's baseline has no instruction for it.
+        let entries = |x: f64| {
+            let x = x.clamp(0.0, last);
+            let lower = x as usize;
+            let above = x - lower as f64;
+            if above <= half_snap {
+                (lower, lower)
+            } else if 1.0 - above <= half_snap {
+                (lower + 1, lower + 1)
             } else {
-                x
+                (lower, lower + 1)
             }
-            .clamp(0.0, last)
         };
-        let first = snapped(*range.start()).floor() as usize;
-        let end = (snapped(*range.end()).ceil() as usize + 1).min(n);
+        let first = entries(*range.start()).0;
+        let end = entries(*range.end()).1 + 1;
         self.visible_before[end] != self.visible_before[first]
     }
 

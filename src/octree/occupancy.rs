@@ -53,6 +53,12 @@ impl Occupancy {
         &mut self.words[at..at + self.words_per_row]
     }
 
+    /// The bits of layers of blocks along z, all rows of them, to write. Bits past `dims[0]` must stay 0.
+    pub(super) fn layers_mut(&mut self, layers: Range<usize>) -> &mut [u64] {
+        let layer = self.words_per_row * self.dims[1];
+        &mut self.words[layers.start * layer..layers.end * layer]
+    }
+
     /// Number of active blocks.
     pub fn count(&self) -> usize {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
