@@ -1,6 +1,9 @@
 //! Transfer functions: from data values to colour and opacity, and the tables baked from them.
 
+mod parse;
 mod preset;
+
+pub use preset::{PRESETS, Preset, threshold};
 
 use std::ops::RangeInclusive;
 
