@@ -37,7 +37,7 @@ impl Classes for Baked<'_> {
     fn rgba(&self, x: f64) -> [f64; 4] {
         let (lower, f) = lookup(x, self.entries, self.snap);
         let rgba = self.table.rgba();
-        let lower = lower as usize;
+        let lower = lower as u32 as usize;
         let (a, b) = (rgba[lower], rgba[(lower + 1).min(rgba.len() - 1)]);
         std::array::from_fn(|c| {
             let (a, b) = (f64::from(a[c]), f64::from(b[c]));

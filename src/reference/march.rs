@@ -94,28 +94,32 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
     fn sample(&self, at: [f64; 3]) -> f64 {
         match self.sampler {
             Sampler::Hardware | Sampler::Exact => {
-                let [x, y, z] = [0, 1, 2].map(|a| self.neighbours(a, at[a]));
-                let [nx, ny, _] = self.dims;
-                let corners = z.0.map(|z| {
-                    y.0.map(|y| {
-                        let row = (z * ny + y) * nx;
-                        x.0.map(|x| self.voxels[row + x].into())
-                    })
-                });
-                trilinear(corners, [x.1, y.1, z.1]) * self.scale + self.offset
+                // Written out: nested maps over arrays do not inline, and this is where the time goes.
+                let (x, y, z) = (
+                    self.neighbours(0, at[0]),
+                    self.neighbours(1, at[1]),
+                    self.neighbours(2, at[2]),
+                );
+                let row = |y: usize, z: usize| {
+                    let row = (z * self.dims[1] + y) * self.dims[0];
+                    [self.voxels[row + x.0].into(), self.voxels[row + x.1].into()]
+                };
+                let corners = [
+                    [row(y.0, z.0), row(y.1, z.0)],
+                    [row(y.0, z.1), row(y.1, z.1)],
+                ];
+                trilinear(corners, [x.2, y.2, z.2]) * self.scale + self.offset
             }
         }
     }
 
     /// The two voxels around a grid coordinate of `axis`, and the fraction between them.
     #[inline]
-    fn neighbours(&self, axis: usize, grid: f64) -> ([usize; 2], f64) {
+    fn neighbours(&self, axis: usize, grid: f64) -> (usize, usize, f64) {
         let (lower, fraction) = cell(grid);
-        let last = self.dims[axis] as i64 - 1;
-        let lower = lower as i64;
-        (
-            [lower, lower + 1].map(|i| i.clamp(0, last) as usize),
-            fraction,
-        )
+        let last = self.dims[axis] as i32 - 1;
+        let lower = lower as i32;
+        let clamped = |i: i32| i.clamp(0, last) as usize;
+        (clamped(lower), clamped(lower + 1), fraction)
     }
 }
