@@ -8,6 +8,7 @@ pub mod lattice;
 pub mod measure;
 pub mod mode;
 pub mod octree;
+pub mod output;
 pub mod reference;
 pub mod render;
 pub mod sample;

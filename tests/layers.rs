@@ -20,7 +20,8 @@ const LAYERS: &[&[&str]] = &[
     // Methods read the occupancy that culling leaves.
     &["skip"],
     &["reference", "cpu"],
-    &["render"],
+    // Picture files know pictures, not who drew them.
+    &["render", "output"],
     &["measure"],
     &["cli", "viewer"],
 ];
