@@ -21,12 +21,15 @@ use hollowcast::volume::phantom;
 const SIZE: u32 = 256;
 
 fn main() -> Result<()> {
-    let path = std::env::args().nth(1).unwrap_or_else(|| "embedded.png".to_owned());
+    let path = std::env::args()
+        .nth(1)
+        .unwrap_or_else(|| "embedded.png".to_owned());
 
     // The program's own device. The three features are optional: see `Gpu::from_device`.
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
-    let adapter = pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
-        .context("no adapter; install a driver (Debian: mesa-vulkan-drivers)")?;
+    let adapter =
+        pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
+            .context("no adapter; install a driver (Debian: mesa-vulkan-drivers)")?;
     let wanted = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM
         | wgpu::Features::FLOAT32_FILTERABLE
         | wgpu::Features::TIMESTAMP_QUERY;
@@ -40,7 +43,11 @@ fn main() -> Result<()> {
     let target = |format| {
         device.create_texture(&wgpu::TextureDescriptor {
             label: Some("target"),
-            size: wgpu::Extent3d { width: SIZE, height: SIZE, depth_or_array_layers: 1 },
+            size: wgpu::Extent3d {
+                width: SIZE,
+                height: SIZE,
+                depth_or_array_layers: 1,
+            },
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
@@ -51,7 +58,8 @@ fn main() -> Result<()> {
     };
     let color = target(wgpu::TextureFormat::Rgba8UnormSrgb);
     let depth = target(wgpu::TextureFormat::R32Float);
-    let [color_view, depth_view] = [&color, &depth].map(|t| t.create_view(&wgpu::TextureViewDescriptor::default()));
+    let [color_view, depth_view] =
+        [&color, &depth].map(|t| t.create_view(&wgpu::TextureViewDescriptor::default()));
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -59,7 +67,12 @@ fn main() -> Result<()> {
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color { r: 0.02, g: 0.05, b: 0.2, a: 1.0 }),
+                load: wgpu::LoadOp::Clear(wgpu::Color {
+                    r: 0.02,
+                    g: 0.05,
+                    b: 0.2,
+                    a: 1.0,
+                }),
                 store: wgpu::StoreOp::Store,
             },
         })],
@@ -74,8 +87,16 @@ fn main() -> Result<()> {
     renderer.set_volume(Arc::clone(&volume))?;
     renderer.set_transfer(TransferFunction::new(
         vec![
-            ControlPoint { value: 40.0, opacity: 0.0, color: [0.9, 0.6, 0.4] },
-            ControlPoint { value: 255.0, opacity: 0.3, color: [1.0, 0.9, 0.8] },
+            ControlPoint {
+                value: 40.0,
+                opacity: 0.0,
+                color: [0.9, 0.6, 0.4],
+            },
+            ControlPoint {
+                value: 255.0,
+                opacity: 0.3,
+                color: [1.0, 0.9, 0.8],
+            },
         ],
         1.0,
     )?);
@@ -90,14 +111,23 @@ fn main() -> Result<()> {
         camera: Orbit::default().camera(volume.extent()),
         table_entries: 256,
     };
-    let targets =
-        Targets { color: &color_view, color_format: wgpu::TextureFormat::Rgba8UnormSrgb, depth: Some(&depth_view) };
+    let targets = Targets {
+        color: &color_view,
+        color_format: wgpu::TextureFormat::Rgba8UnormSrgb,
+        depth: Some(&depth_view),
+    };
     let times = renderer.render_to(&settings, &targets)?;
 
     let pixels: Vec<[u8; 4]> = read_texture(&gpu, &color)?;
     let depths: Vec<f32> = read_texture(&gpu, &depth)?;
-    image::save_buffer(&path, pixels.as_flattened(), SIZE, SIZE, image::ExtendedColorType::Rgba8)
-        .with_context(|| path.clone())?;
+    image::save_buffer(
+        &path,
+        pixels.as_flattened(),
+        SIZE,
+        SIZE,
+        image::ExtendedColorType::Rgba8,
+    )
+    .with_context(|| path.clone())?;
     let middle = depths[(SIZE / 2 * SIZE + SIZE / 2) as usize];
     let seen = depths.iter().filter(|&&d| d < f32::MAX).count();
     println!(
@@ -116,7 +146,9 @@ fn read_texture<T: bytemuck::Pod>(gpu: &Gpu, texture: &wgpu::Texture) -> Result<
         usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
-    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut encoder = gpu
+        .device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     encoder.copy_texture_to_buffer(
         texture.as_image_copy(),
         wgpu::TexelCopyBufferInfo {

@@ -161,7 +161,10 @@ impl Renderer {
     pub fn new(choice: BackendChoice) -> Result<Self> {
         let progress = Arc::<Progress>::default();
         match choice {
-            BackendChoice::Gpu => Self::on(GpuBackend::open(AdapterKind::Any, Arc::clone(&progress))?, progress),
+            BackendChoice::Gpu => Self::on(
+                GpuBackend::open(AdapterKind::Any, Arc::clone(&progress))?,
+                progress,
+            ),
             BackendChoice::Auto => {
                 match GpuBackend::open(AdapterKind::Hardware, Arc::clone(&progress)) {
                     Ok(backend) => Self::on(backend, progress),
@@ -190,7 +193,10 @@ impl Renderer {
     /// [`Error::Gpu`] where the device cannot compile the passes.
     pub fn with_device(gpu: Gpu) -> Result<Self> {
         let progress = Arc::<Progress>::default();
-        Self::on(GpuBackend::with_device(gpu, Arc::clone(&progress))?, progress)
+        Self::on(
+            GpuBackend::with_device(gpu, Arc::clone(&progress))?,
+            progress,
+        )
     }
 
     /// On this backend, less what its self-check withdraws.
@@ -205,9 +211,13 @@ impl Renderer {
             is_software: backend.gpu().is_software(),
         };
         let mut renderer = Self::with_backend(Backend::Gpu(Box::new(backend)), info, progress);
-        renderer.withdrawn = self_check::withdrawn(&mut renderer, self_check::cache_file().as_deref())?;
+        renderer.withdrawn =
+            self_check::withdrawn(&mut renderer, self_check::cache_file().as_deref())?;
         for skip in &renderer.withdrawn {
-            tracing::warn!("{} failed the self-check on this adapter: box is drawn instead", skip.method().name);
+            tracing::warn!(
+                "{} failed the self-check on this adapter: box is drawn instead",
+                skip.method().name
+            );
         }
         renderer.forget_volume();
         Ok(renderer)
@@ -364,7 +374,10 @@ impl Renderer {
     ) -> Result<T> {
         let fallback;
         let settings = if self.withdrawn.contains(&settings.skip) {
-            fallback = Settings { skip: Skip::Box, ..*settings };
+            fallback = Settings {
+                skip: Skip::Box,
+                ..*settings
+            };
             &fallback
         } else {
             settings

@@ -133,6 +133,9 @@ pub struct Domain {
     pub scale: f64,
     /// Stored number at table coordinate 0.
     pub origin: f64,
+    /// Table coordinates that the voxel type's whole range spans, or the table's own where that is more: what rounding
+    /// is relative to.
+    span: f64,
     rescale: Rescale,
 }
 
@@ -170,6 +173,9 @@ impl Domain {
             entries,
             scale,
             origin,
+            span: integers
+                .map_or(0.0, |r| (r[1] - r[0] + 1.0) * scale)
+                .max(entries as f64),
             rescale: volume.rescale,
         })
     }
@@ -184,11 +190,12 @@ impl Domain {
         self.rescale.value_from_stored(x / self.scale + self.origin)
     }
 
-    /// How near to an entry a table coordinate counts as on it, in shaders and in [`lookup`]: N * 2^-22.
+    /// How near to an entry a table coordinate counts as on it, in shaders and in [`lookup`]: 2^-22 of what the table,
+    /// or the voxel type if that is more, spans.
     ///
     /// Unorm conversion and interpolation round; a background exactly at the threshold must not touch the next entry.
     pub fn snap(&self) -> f64 {
-        self.entries as f64 / f64::from(1 << 22)
+        self.span / f64::from(1 << 22)
     }
 }
 

@@ -3,6 +3,8 @@
 
 // Direction components below this magnitude are exactly zero (lattice::PARALLEL).
 const PARALLEL = 0x1p-40;
+// How near to an end of its range a sample may lie, in steps (lattice::EDGE).
+const EDGE = 0x1p-10;
 
 struct Ray {
     entry: vec3f,
@@ -39,8 +41,8 @@ fn ray_through(pixel: vec2u) -> Ray {
     var ray: Ray;
     ray.entry = (l.start + t_box * d) * view.grid_from_local;
     ray.delta = d * view.step * view.grid_from_local;
-    ray.k_near = u32(max(ceil(-t_box / view.step - 0.5), 0.0));
-    ray.k_end = u32(max(ceil(chord / view.step - 0.5), 0.0));
+    ray.k_near = u32(max(ceil(-t_box / view.step - (0.5 + EDGE)), 0.0));
+    ray.k_end = u32(max(ceil(chord / view.step - (0.5 + EDGE)), 0.0));
     ray.t_box = t_box;
     ray.length = length;
     return ray;

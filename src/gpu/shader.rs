@@ -108,22 +108,34 @@ mod tests {
             };
             SHADERS.iter().filter_map(strip).collect()
         };
-        let mut composed = vec![compose("faces", &[]).unwrap(), compose("present", &[]).unwrap()];
+        let mut composed = vec![
+            compose("faces", &[]).unwrap(),
+            compose("present", &[]).unwrap(),
+        ];
         for skip in names("skip/") {
             for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
                 for mode in names("mode/") {
                     for count in names("count/") {
-                        let choices = [("SKIP", skip), ("SAMPLER", sampler), ("MODE", mode), ("COUNT", count)];
+                        let choices = [
+                            ("SKIP", skip),
+                            ("SAMPLER", sampler),
+                            ("MODE", mode),
+                            ("COUNT", count),
+                        ];
                         composed.push(compose("march", &choices).unwrap());
                     }
                 }
             }
         }
         for text in composed {
-            let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
-            naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
-                .validate(&module)
+            let module = naga::front::wgsl::parse_str(&text)
                 .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+            naga::valid::Validator::new(
+                naga::valid::ValidationFlags::all(),
+                naga::valid::Capabilities::empty(),
+            )
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
         }
     }
 

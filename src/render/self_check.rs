@@ -31,24 +31,39 @@ type Outcomes = BTreeMap<String, Vec<String>>;
 pub(super) fn withdrawn(renderer: &mut Renderer, cache: Option<&Path>) -> Result<Vec<Skip>> {
     let info = renderer.info();
     // A new version of the program has new shaders: what was found of the old ones says nothing.
-    let key = format!("{} | {} | hollowcast {}", info.adapter, info.driver, env!("CARGO_PKG_VERSION"));
+    let key = format!(
+        "{} | {} | hollowcast {}",
+        info.adapter,
+        info.driver,
+        env!("CARGO_PKG_VERSION")
+    );
     let mut outcomes = cache.map(read).unwrap_or_default();
     let names = if let Some(names) = outcomes.get(&key) {
         names.clone()
     } else {
-        let failed: Vec<String> = check(renderer)?.iter().map(|s| s.method().name.to_owned()).collect();
+        let failed: Vec<String> = check(renderer)?
+            .iter()
+            .map(|s| s.method().name.to_owned())
+            .collect();
         outcomes.insert(key, failed.clone());
         if let Some(path) = cache {
             write(path, &outcomes);
         }
         failed
     };
-    Ok(names.iter().filter_map(|name| Skip::from_name(name)).collect())
+    Ok(names
+        .iter()
+        .filter_map(|name| Skip::from_name(name))
+        .collect())
 }
 
 /// Where outcomes are kept: `$XDG_CACHE_HOME/hollowcast` or `~/.cache/hollowcast`.
 pub(super) fn cache_file() -> Option<PathBuf> {
-    let set = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+    let set = |name| {
+        std::env::var_os(name)
+            .filter(|v| !v.is_empty())
+            .map(PathBuf::from)
+    };
     let folder = set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")))?;
     Some(folder.join("hollowcast").join("self-check.json"))
 }
@@ -77,7 +92,11 @@ fn write(path: &Path, outcomes: &Outcomes) {
 /// Draws a pot with something in it from outside and inside, and compares each method with box.
 fn check(renderer: &mut Renderer) -> Result<Vec<Skip>> {
     let volume = Arc::new(phantom::make("pot", [40, 36, 44])?);
-    let point = |value, opacity| ControlPoint { value, opacity, color: [0.9, 0.6, 0.4] };
+    let point = |value, opacity| ControlPoint {
+        value,
+        opacity,
+        color: [0.9, 0.6, 0.4],
+    };
     let transfer = TransferFunction::new(vec![point(40.0, 0.0), point(255.0, 0.3)], 1.0)?;
     renderer.set_volume(Arc::clone(&volume))?;
     renderer.set_transfer(transfer);
@@ -92,7 +111,11 @@ fn check(renderer: &mut Renderer) -> Result<Vec<Skip>> {
                 step_voxels: 0.4,
                 ert: 0.98,
                 size: [SIZE; 2],
-                camera: Orbit { distance_edges, ..Orbit::default() }.camera(volume.extent() - DVec3::splat(0.3)),
+                camera: Orbit {
+                    distance_edges,
+                    ..Orbit::default()
+                }
+                .camera(volume.extent() - DVec3::splat(0.3)),
                 table_entries: 256,
             };
             let picture = renderer.render(&settings)?.picture;
@@ -100,7 +123,11 @@ fn check(renderer: &mut Renderer) -> Result<Vec<Skip>> {
                 settings.skip = method.skip;
                 let difference = renderer.render(&settings)?.picture.difference(&picture);
                 if difference.pixels > 0 && !failed.contains(&method.skip) {
-                    tracing::warn!("{}: {} pixels differ from box on this adapter", method.name, difference.pixels);
+                    tracing::warn!(
+                        "{}: {} pixels differ from box on this adapter",
+                        method.name,
+                        difference.pixels
+                    );
                     failed.push(method.skip);
                 }
             }

@@ -121,13 +121,19 @@ pub fn threshold(statistics: &Statistics) -> f64 {
         bin
     };
     let stored = statistics.first + stored_bin * statistics.width;
-    statistics.rescale.value_from_stored(stored).clamp(low, high)
+    statistics
+        .rescale
+        .value_from_stored(stored)
+        .clamp(low, high)
 }
 
 /// The bin where two classes of bins differ most between and least within; the middle one of several alike.
 fn otsu(counts: &[u64]) -> f64 {
     let total: f64 = counts.iter().map(|&n| n as f64).sum();
-    let moment: f64 = (0..).zip(counts).map(|(i, &n)| f64::from(i) * n as f64).sum();
+    let moment: f64 = (0..)
+        .zip(counts)
+        .map(|(i, &n)| f64::from(i) * n as f64)
+        .sum();
     let (mut below, mut moment_below) = (0.0, 0.0);
     let mut best = (0.0, 1, 1);
     for (i, &n) in counts[..counts.len() - 1].iter().enumerate() {
@@ -180,7 +186,8 @@ fn background_peak(counts: &[u64], otsu: f64) -> Option<usize> {
     let reach = counts.len() / 64;
     let smooth: Vec<f64> = (0..counts.len())
         .map(|i| {
-            let around = i.saturating_sub(reach).max(usize::from(i > 0))..(i + reach + 1).min(counts.len());
+            let around =
+                i.saturating_sub(reach).max(usize::from(i > 0))..(i + reach + 1).min(counts.len());
             let n = around.len() as f64;
             counts[around].iter().map(|&c| c as f64).sum::<f64>() / n
         })
@@ -230,7 +237,9 @@ mod tests {
     fn scan(noise: u8, object: u8) -> Volume {
         let bell = |centre: u8, n: usize| {
             (0..n).map(move |i| {
-                let spread: i32 = (0..4).map(|k| ((i * 7919 + i / 13 * (k + 1)) >> (3 * k)) as i32 % 7 - 3).sum();
+                let spread: i32 = (0..4)
+                    .map(|k| ((i * 7919 + i / 13 * (k + 1)) >> (3 * k)) as i32 % 7 - 3)
+                    .sum();
                 (i32::from(centre) + spread) as u8
             })
         };
@@ -274,7 +283,9 @@ mod tests {
     #[test]
     fn presets_hide_the_background_and_show_the_object() {
         for preset in PRESETS {
-            let tf = preset.transfer_function(&Statistics::of(&scan(20, 200))).unwrap();
+            let tf = preset
+                .transfer_function(&Statistics::of(&scan(20, 200)))
+                .unwrap();
             assert_eq!(tf.at(0.0).1, 0.0, "{}", preset.name);
             assert_eq!(tf.at(32.0).1, 0.0, "{}", preset.name);
             assert!(tf.at(200.0).1 > 0.2, "{}", preset.name);

@@ -107,7 +107,15 @@ pub(super) fn capsules() -> impl Solid {
         let toes = (0..5)
             .map(|i| {
                 let y = -0.26 + 0.13 * f64::from(i);
-                bone(0.2, y * 0.6, -0.58, 0.78 - 0.06 * f64::from(i), y, -0.66, 0.055)
+                bone(
+                    0.2,
+                    y * 0.6,
+                    -0.58,
+                    0.78 - 0.06 * f64::from(i),
+                    y,
+                    -0.66,
+                    0.055,
+                )
             })
             .fold(f64::INFINITY, f64::min);
         leg.min(heel).min(instep).min(toes)
