@@ -1,15 +1,20 @@
 //! The [`Renderer`]: one volume, one transfer function, and pictures of them by any choice of skip, sample and mode.
 
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::sync::Arc;
+use std::time::Instant;
 
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::mode::Mode;
+use crate::octree::{Accelerator, Occupancy};
+use crate::reference;
 use crate::sample::Sampler;
-use crate::scene::{CountedPicture, Picture};
-use crate::skip::Skip;
-use crate::transfer::TransferFunction;
-use crate::volume::Volume;
+use crate::scene::{CountedPicture, Picture, Progress, Scene};
+use crate::skip::{Plan, Skip};
+use crate::transfer::{Domain, Table, TransferFunction};
+use crate::volume::{Volume, statistics};
 
 /// Where pictures are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -116,6 +121,21 @@ pub struct Renderer {
     info: BackendInfo,
     volume: Option<Arc<Volume>>,
     transfer: Option<TransferFunction>,
+    /// Smallest and largest stored number of the volume, once asked for.
+    stored_range: Option<[f64; 2]>,
+    /// Leaves and trees by block size, with the milliseconds that they took.
+    accelerators: HashMap<usize, (Accelerator, f64)>,
+    culled: Option<Culled>,
+}
+
+/// What stands for one table and block size.
+#[derive(Debug)]
+struct Culled {
+    /// Block, mode, entries of the table, bits of the step.
+    key: (usize, Mode, usize, u64),
+    table: Table,
+    occupancy: Occupancy,
+    cull_ms: f64,
 }
 
 impl Renderer {
@@ -130,12 +150,15 @@ impl Renderer {
         Ok(Self {
             info: BackendInfo {
                 backend: "reference",
-                adapter: "CPU in f64".to_owned(),
+                adapter: "CPU, f64".to_owned(),
                 driver: String::new(),
                 is_software: true,
             },
             volume: None,
             transfer: None,
+            stored_range: None,
+            accelerators: HashMap::new(),
+            culled: None,
         })
     }
 
@@ -150,20 +173,67 @@ impl Renderer {
     /// [`Error::Limit`] where the backend cannot hold it.
     pub fn set_volume(&mut self, volume: Arc<Volume>) -> Result<()> {
         self.volume = Some(volume);
+        self.stored_range = None;
+        self.accelerators.clear();
+        self.culled = None;
         Ok(())
     }
 
     /// Takes another transfer function; structures are kept and culled again.
     pub fn set_transfer(&mut self, transfer: TransferFunction) {
         self.transfer = Some(transfer);
+        self.culled = None;
     }
 
     /// Builds what a frame with these settings needs. Times are of the build of what stands, now or earlier.
     ///
     /// # Errors
-    /// [`Error::Setting`] for settings out of range.
+    /// [`Error::Setting`] for settings out of range or where volume or transfer function were not set.
     pub fn prepare(&mut self, settings: &Settings) -> Result<Preparation> {
-        self.count(settings).map(|_| Preparation::default())
+        let (Some(volume), Some(transfer)) = (&self.volume, &self.transfer) else {
+            return Err(Error::setting(
+                "renderer",
+                "volume and transfer function must be set before a picture is drawn",
+            ));
+        };
+        let range = *self
+            .stored_range
+            .get_or_insert_with(|| statistics::stored_range(volume));
+        let (accelerator, preprocess_ms) = match self.accelerators.entry(settings.block) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => {
+                let start = Instant::now();
+                let built = Accelerator::build(volume, settings.block, Sampler::Exact.apron())?;
+                built.whole();
+                entry.insert((built, milliseconds(start)))
+            }
+        };
+        let key = (
+            settings.block,
+            settings.mode,
+            settings.table_entries,
+            settings.step_voxels.to_bits(),
+        );
+        if self.culled.as_ref().is_none_or(|c| c.key != key) {
+            let start = Instant::now();
+            let domain = Domain::new(volume, range, settings.table_entries)?;
+            let table = transfer.bake(&domain, settings.step_voxels);
+            let occupancy = accelerator.cull(&table, settings.mode);
+            self.culled = Some(Culled {
+                key,
+                table,
+                occupancy,
+                cull_ms: milliseconds(start),
+            });
+        }
+        Ok(match settings.skip {
+            Skip::Box => Preparation::default(),
+            Skip::Hull | Skip::HalfSplit => Preparation {
+                preprocess_ms: *preprocess_ms,
+                cull_ms: self.culled.as_ref().map_or(0.0, |c| c.cull_ms),
+                structure_bytes: accelerator.structure_bytes() as u64,
+            },
+        })
     }
 
     /// Draws a frame and leaves the picture where it is.
@@ -179,9 +249,10 @@ impl Renderer {
     /// # Errors
     /// Like [`Self::draw`].
     pub fn render(&mut self, settings: &Settings) -> Result<Rendered> {
-        let start = std::time::Instant::now();
+        self.prepare(settings)?;
+        let start = Instant::now();
         let picture = self.count(settings)?.picture;
-        let frame_ms = start.elapsed().as_secs_f64() * 1e3;
+        let frame_ms = milliseconds(start);
         Ok(Rendered {
             picture,
             times: FrameTimes {
@@ -199,93 +270,26 @@ impl Renderer {
     /// # Errors
     /// Like [`Self::draw`].
     pub fn count(&mut self, settings: &Settings) -> Result<CountedPicture> {
-        placeholder::count(
-            self.volume.as_deref().expect("a volume was set"),
-            self.transfer.as_ref().expect("a transfer function was set"),
-            settings,
-        )
-    }
-}
-
-/// Bounding-box casting in f64, until the backends are merged.
-mod placeholder {
-    use super::Settings;
-    use crate::error::Result;
-    use crate::mode::emission_absorption::State;
-    use crate::sample::{cell, trilinear};
-    use crate::scene::{CountedPicture, Counters, Picture};
-    use crate::transfer::{Domain, TransferFunction, lookup};
-    use crate::volume::Volume;
-    use crate::with_voxels;
-
-    pub(super) fn count(
-        volume: &Volume,
-        transfer: &TransferFunction,
-        settings: &Settings,
-    ) -> Result<CountedPicture> {
+        self.prepare(settings)?;
+        let (Some(volume), Some(culled)) = (&self.volume, &self.culled) else {
+            unreachable!("prepare has seen to both");
+        };
         let frame = settings
             .camera
             .ray_frame(volume, settings.size, settings.step_voxels)?;
-        let stored: Vec<f64> =
-            with_voxels!(&volume.voxels, v => v.iter().map(|&s| f64::from(s)).collect());
-        let range = stored
-            .iter()
-            .fold([f64::MAX, f64::MIN], |r, &s| [r[0].min(s), r[1].max(s)]);
-        let domain = Domain::new(volume, range, settings.table_entries)?;
-        let table = transfer.bake(&domain, settings.step_voxels);
-        let basis = frame.basis::<f64>();
-        let mut counters = Counters::default();
-        let (mut rgba, mut samples, mut first_hit) = (Vec::new(), Vec::new(), Vec::new());
-        for y in 0..settings.size[1] {
-            for x in 0..settings.size[0] {
-                let ray = basis.ray(f64::from(x), f64::from(y));
-                let mut state = State::<f64>::init();
-                let (mut taken, mut first) = (0u32, f32::INFINITY);
-                let mut k = ray.k_near;
-                while k < ray.k_end && !state.done(f64::from(settings.ert)) {
-                    let cells = ray.at(k).map(cell);
-                    let voxel = |dx: usize, dy: usize, dz: usize| {
-                        let i = [dx, dy, dz];
-                        let at: [usize; 3] = std::array::from_fn(|a| {
-                            (cells[a].0 as i64 + i[a] as i64).clamp(0, volume.dims[a] as i64 - 1)
-                                as usize
-                        });
-                        stored[(at[2] * volume.dims[1] + at[1]) * volume.dims[0] + at[0]]
-                    };
-                    let corners =
-                        [0, 1].map(|dz| [0, 1].map(|dy| [0, 1].map(|dx| voxel(dx, dy, dz))));
-                    let value = trilinear(corners, cells.map(|c| c.1));
-                    let (lower, f) = lookup(
-                        domain.x_from_stored(value),
-                        domain.entries as f64,
-                        domain.snap(),
-                    );
-                    let entry = |i: usize| table.rgba()[i.min(domain.entries - 1)].map(f64::from);
-                    let (a, b) = (entry(lower as usize), entry(lower as usize + 1));
-                    let sample: [f64; 4] = std::array::from_fn(|c| a[c] + f * (b[c] - a[c]));
-                    if sample.iter().any(|&c| c != 0.0) {
-                        counters.contributing += 1;
-                        first = first.min((ray.t_box + (k + 0.5) * settings.step_voxels) as f32);
-                    }
-                    state.add(sample);
-                    taken += 1;
-                    k += 1.0;
-                }
-                counters.samples += u64::from(taken);
-                rgba.push(state.rgba.map(|c| c as f32));
-                samples.push(taken);
-                first_hit.push(first);
-            }
-        }
-        counters.skip_steps = rgba.len() as u64;
-        Ok(CountedPicture {
-            picture: Picture {
-                size: settings.size,
-                rgba,
-            },
-            counters,
-            samples,
-            first_hit,
-        })
+        let scene = Scene {
+            volume,
+            table: &culled.table,
+            frame: &frame,
+            sampler: Sampler::Exact,
+            mode: settings.mode,
+            ert: settings.ert,
+        };
+        let plan = Plan::new(settings.skip, &culled.occupancy, settings.camera.forward());
+        reference::render(&scene, &plan, &Progress::default())
     }
+}
+
+fn milliseconds(since: Instant) -> f64 {
+    since.elapsed().as_secs_f64() * 1e3
 }

@@ -374,7 +374,7 @@ mod tests {
         assert_eq!(tree.node_count(), 1);
         let mut culled = Occupancy::new(grid.volume_dims, 2);
         tree.cull(&|range| range == [9.0, 9.0], &mut culled);
-        assert_eq!(culled.count(), grid.dims.iter().product());
+        assert_eq!(culled.count(), grid.dims.iter().product::<usize>());
     }
 
     #[test]
