@@ -24,13 +24,18 @@ impl Progress {
     /// Work whose progress is told by [`Self::set`].
     pub(super) fn bar(what: &'static str) -> Self {
         Self::start(ProgressBar::new(TICKS), "{late}", move |state| {
-            let left = state.eta().as_secs();
-            let done = (state.fraction() * 30.0) as usize;
+            let fraction = state.fraction();
+            let done = (fraction * 30.0) as usize;
+            let left = if fraction > 0.0 {
+                format!(", about {} s left", state.eta().as_secs())
+            } else {
+                String::new()
+            };
             format!(
-                "{what} [{}{}] {:.0} %, about {left} s left",
+                "{what} [{}{}] {:.0} %{left}",
                 "#".repeat(done),
                 " ".repeat(30 - done.min(30)),
-                state.fraction() * 100.0
+                fraction * 100.0
             )
         })
     }
