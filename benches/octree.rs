@@ -170,7 +170,7 @@ fn table(volume: &Volume) -> Table {
 fn volume(name: &str, dims: [usize; 3], voxels: Vec<u8>) -> Volume {
     assert_eq!(
         voxels.len(),
-        dims.iter().product(),
+        dims.iter().product::<usize>(),
         "{name}: bytes and voxels"
     );
     Volume {

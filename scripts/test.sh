@@ -34,7 +34,12 @@ if [ -n "${HOLLOWCAST_DATA:-}" ] && [ -n "${HOLLOWCAST_FORMATS:-}" ]; then
     cargo test --locked -- --include-ignored
 else
     cargo test --locked
-    echo
-    echo "test.sh: not run, for HOLLOWCAST_DATA and HOLLOWCAST_FORMATS are not both set:"
+    for folder in HOLLOWCAST_DATA HOLLOWCAST_FORMATS; do
+        if [ -z "${!folder:-}" ]; then
+            echo "test.sh: $folder is not set: tests that read it were not run; they are in"
+            grep -rl "$folder" tests src --include='*.rs' | sed 's/^/  /' || true
+        fi
+    done
+    echo "test.sh: tests that are run only where both are set:"
     cargo test --locked -- --ignored --list 2> /dev/null | sed -n 's/: test$//p' | sed 's/^/  /'
 fi

@@ -128,6 +128,9 @@ struct Contestant {
 ///
 /// # Errors
 /// [`Error::Setting`] where the plan lacks box or has nothing to run; whatever a renderer reports.
+///
+/// # Panics
+/// Never: that box is in the plan is checked.
 pub fn compare(
     renderers: &mut [Renderer],
     reference: &mut Renderer,
