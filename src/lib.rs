@@ -2,6 +2,7 @@
 #![warn(missing_docs)]
 
 pub mod camera;
+pub mod cpu;
 pub mod error;
 pub mod gpu;
 pub mod lattice;

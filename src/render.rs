@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::camera::Camera;
+use crate::cpu::{self, CpuPlan};
 use crate::error::{Error, Result};
 use crate::gpu::{AdapterKind, Gpu};
 use crate::mode::Mode;
@@ -138,12 +139,15 @@ pub struct Renderer {
 
 enum Backend {
     Gpu(Box<GpuBackend>),
+    /// With the picture drawn last, whose memory is used again.
+    Cpu(Box<Picture>),
     Reference,
 }
 
 /// A picture about to be drawn.
 enum Drawing<'a> {
     Gpu(&'a mut GpuBackend, Job<'a>),
+    Cpu(&'a mut Picture, Scene<'a>, &'a CpuPlan, &'a Progress),
     Reference(Scene<'a>, Plan<'a>, &'a Progress),
 }
 
@@ -170,11 +174,28 @@ impl Renderer {
                     Ok(backend) => Self::on(backend, progress),
                     Err(error) => {
                         tracing::info!("{error}; drawing on the CPU");
-                        Self::new(BackendChoice::Reference)
+                        Self::new(BackendChoice::Cpu)
                     }
                 }
             }
-            BackendChoice::Cpu | BackendChoice::Reference => Ok(Self::with_backend(
+            BackendChoice::Cpu => Ok(Self::with_backend(
+                Backend::Cpu(Box::new(Picture {
+                    size: [0, 0],
+                    rgba: Vec::new(),
+                })),
+                BackendInfo {
+                    backend: "cpu",
+                    adapter: format!(
+                        "{} threads, {}",
+                        rayon::current_num_threads(),
+                        cpu::Path::best().name()
+                    ),
+                    driver: format!("hollowcast {}", env!("CARGO_PKG_VERSION")),
+                    is_software: true,
+                },
+                progress,
+            )),
+            BackendChoice::Reference => Ok(Self::with_backend(
                 Backend::Reference,
                 BackendInfo {
                     backend: "reference",
@@ -283,7 +304,7 @@ impl Renderer {
     pub fn sampler(&self, settings: &Settings) -> Sampler {
         settings.sampler.unwrap_or_else(|| match &self.backend {
             Backend::Gpu(backend) => backend.default_sampler(),
-            Backend::Reference => Sampler::Exact,
+            Backend::Cpu(_) | Backend::Reference => Sampler::Exact,
         })
     }
 
@@ -311,6 +332,9 @@ impl Renderer {
     pub fn draw(&mut self, settings: &Settings) -> Result<FrameTimes> {
         self.with_drawing(settings, |drawing, _| match drawing {
             Drawing::Gpu(backend, job) => backend.draw(job),
+            Drawing::Cpu(picture, scene, plan, progress) => {
+                draw_cpu(picture, scene, plan, progress)
+            }
             Drawing::Reference(scene, plan, progress) => {
                 Ok(draw_reference(scene, plan, progress)?.1)
             }
@@ -326,6 +350,10 @@ impl Renderer {
         self.with_drawing(settings, |drawing, _| {
             let (picture, times, read_back_ms) = match drawing {
                 Drawing::Gpu(backend, job) => backend.render(job)?,
+                Drawing::Cpu(picture, scene, plan, progress) => {
+                    let times = draw_cpu(picture, scene, plan, progress)?;
+                    (picture.clone(), times, 0.0)
+                }
                 Drawing::Reference(scene, plan, progress) => {
                     let (counted, times) = draw_reference(scene, plan, progress)?;
                     (counted.picture, times, 0.0)
@@ -348,7 +376,7 @@ impl Renderer {
     pub fn render_to(&mut self, settings: &Settings, targets: &Targets) -> Result<FrameTimes> {
         self.with_drawing(settings, |drawing, _| match drawing {
             Drawing::Gpu(backend, job) => backend.render_to(job, targets),
-            Drawing::Reference(..) => Err(Error::setting(
+            Drawing::Cpu(..) | Drawing::Reference(..) => Err(Error::setting(
                 "backend",
                 "only gpu draws into a texture view",
             )),
@@ -362,6 +390,9 @@ impl Renderer {
     pub fn count(&mut self, settings: &Settings) -> Result<CountedPicture> {
         self.with_drawing(settings, |drawing, _| match drawing {
             Drawing::Gpu(backend, job) => backend.count(job),
+            Drawing::Cpu(_, scene, plan, progress) => {
+                cpu::render_counted(scene, plan, progress.cancelled())
+            }
             Drawing::Reference(scene, plan, progress) => reference::render(scene, plan, progress),
         })
     }
@@ -387,6 +418,7 @@ impl Renderer {
             .as_ref()
             .ok_or_else(|| Error::setting("volume", "none was set"))?;
         let volume = Arc::clone(volume);
+        settings.skip.check_backend(self.info.backend)?;
         let sampler = self.sampler(settings);
         let table = self.table(settings, &volume)?;
         let frame = settings
@@ -413,6 +445,13 @@ impl Renderer {
                     active: &active,
                 };
                 work(&mut Drawing::Gpu(backend, job), &preparation)
+            }
+            Backend::Cpu(picture) => {
+                let (plan, preparation) = self.structures.cpu_plan(settings, &scene, &table)?;
+                work(
+                    &mut Drawing::Cpu(picture, scene, plan, &self.progress),
+                    &preparation,
+                )
             }
             Backend::Reference => {
                 let (plan, preparation) = self.structures.plan(settings, &scene, &table)?;
@@ -451,6 +490,22 @@ fn stored_range(volume: &Volume) -> [f64; 2] {
         let first = v[0];
         let (low, high) = v.iter().fold((first, first), |(low, high), &s| (if s < low { s } else { low }, if s > high { s } else { high }));
         [f64::from(low), f64::from(high)]
+    })
+}
+
+fn draw_cpu(
+    picture: &mut Picture,
+    scene: &Scene,
+    plan: &CpuPlan,
+    progress: &Progress,
+) -> Result<FrameTimes> {
+    let start = Instant::now();
+    cpu::render_into(scene, plan, progress.cancelled(), picture)?;
+    let frame_ms = ms_since(start);
+    Ok(FrameTimes {
+        raster_ms: 0.0,
+        cast_ms: frame_ms,
+        frame_ms,
     })
 }
 

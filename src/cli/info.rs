@@ -109,7 +109,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
 fn recommend(volume: &Volume, occupancy: &Occupancy) -> Result<Recommendation> {
     let size = [PROBE_EDGE; 2];
     let mut samples_per_pixel = Vec::new();
-    for method in METHODS {
+    for method in METHODS.iter().filter(|m| m.backends.contains(&"reference")) {
         let mut samples = 0u64;
         for [azimuth_degrees, elevation_degrees] in PROBE_VIEWS {
             let camera = Orbit {
@@ -118,7 +118,7 @@ fn recommend(volume: &Volume, occupancy: &Occupancy) -> Result<Recommendation> {
                 ..Orbit::default()
             }
             .camera(volume.extent());
-            let plan = Plan::new(method.skip, occupancy, camera.forward());
+            let plan = Plan::new(method.skip, occupancy, camera.forward())?;
             let basis = camera.ray_frame(volume, size, 1.0)?.basis::<f64>();
             for pixel in 0..PROBE_EDGE * PROBE_EDGE {
                 let ray = basis.ray(f64::from(pixel % PROBE_EDGE), f64::from(pixel / PROBE_EDGE));

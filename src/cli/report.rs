@@ -25,8 +25,8 @@ pub(super) fn adapter_words(info: &BackendInfo) -> String {
 
 /// Tells on stderr where nobody asked for the slow way and it was taken.
 pub(super) fn notice_fallback(choice: BackendChoice, info: &BackendInfo) {
-    if choice == BackendChoice::Auto && info.backend == "reference" {
-        eprintln!("notice: no graphics adapter found; drawing on the CPU in f64, which is slow");
+    if choice == BackendChoice::Auto && info.backend == "cpu" {
+        eprintln!("notice: no hardware graphics adapter found; drawing on the CPU");
     }
 }
 

@@ -211,6 +211,7 @@ pub fn run(
     case: &Case,
     size: [u32; 2],
 ) -> Result<Vec<Outcome>> {
+    let backend = renderer.info().backend;
     let mut settings = Settings {
         skip: Skip::Box,
         sampler: Some(case.sampler),
@@ -225,7 +226,7 @@ pub fn run(
     let reference = renderer.render(&settings)?.picture;
     METHODS
         .iter()
-        .filter(|method| method.lossless && method.skip != Skip::Box)
+        .filter(|m| m.lossless && m.skip != Skip::Box && m.backends.contains(&backend))
         .map(|method| {
             settings.skip = method.skip;
             let difference = renderer.render(&settings)?.picture.difference(&reference);

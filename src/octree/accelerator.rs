@@ -3,6 +3,7 @@
 use std::ops::{Range, RangeInclusive};
 use std::sync::OnceLock;
 
+use super::occupancy::half_cut;
 use super::{LeafGrid, Occupancy, Octree};
 use crate::error::{Error, Result};
 use crate::mode::Mode;
@@ -47,11 +48,9 @@ impl Accelerator {
             .get_or_init(|| Octree::build(&self.grid, self.grid.dims.map(|n| 0..n)))
     }
 
-    /// The leaf coordinate on `axis` that the volume is cut at: of the leaf boundaries, the one nearest the middle of the
-    /// volume (the upper of two). A volume of one leaf has an empty half.
+    /// The leaf coordinate on `axis` that the volume is cut at: [`Occupancy::half_cut`].
     pub fn cut(&self, axis: usize) -> usize {
-        let block = self.grid.block;
-        (self.grid.volume_dims[axis] + block) / (2 * block)
+        half_cut(self.grid.volume_dims[axis], self.grid.block)
     }
 
     /// The leaves of one half (0: below the cut, 1: above) of an axis.

@@ -64,6 +64,12 @@ impl Occupancy {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
     }
 
+    /// The block on `axis` that the volume is cut at: of the block boundaries, the one nearest the middle of the volume
+    /// (the upper of two). A volume of one block has an empty half.
+    pub fn half_cut(&self, axis: usize) -> usize {
+        half_cut(self.volume_dims[axis], self.block)
+    }
+
     /// The whole grid as a region of blocks.
     pub fn whole(&self) -> [Range<usize>; 3] {
         self.dims.map(|n| 0..n)
@@ -78,4 +84,9 @@ impl Occupancy {
     pub fn words_per_row(&self) -> usize {
         self.words_per_row
     }
+}
+
+/// See [`Occupancy::half_cut`].
+pub(super) fn half_cut(voxels: usize, block: usize) -> usize {
+    (voxels + block) / (2 * block)
 }

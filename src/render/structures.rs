@@ -11,6 +11,7 @@ use glam::DVec3;
 use super::gpu::Part;
 use super::{Preparation, Settings};
 use crate::camera::{Camera, Projection};
+use crate::cpu::CpuPlan;
 use crate::error::Result;
 use crate::octree::{Accelerator, Hull, Occupancy};
 use crate::scene::Scene;
@@ -26,6 +27,8 @@ pub(super) struct Structures {
     /// Smallest and largest stored number of the volume.
     range: [f64; 2],
     by_block: BTreeMap<usize, Kept>,
+    /// What the SIMD backend keeps for box, which needs no block.
+    cpu_box: Option<(Arc<Table>, CpuPlan)>,
     /// Names the culled states, so that what is on the device can be told apart.
     next_id: u64,
 }
@@ -47,6 +50,8 @@ struct Culled {
     /// Boxes around the active blocks, local coordinates.
     boxes: Vec<[DVec3; 2]>,
     cull_ms: f64,
+    /// What the SIMD backend keeps, by method.
+    cpu_plans: Vec<CpuPlan>,
 }
 
 impl Structures {
@@ -110,19 +115,51 @@ impl Structures {
         let kept = self.culled(settings, scene, table)?;
         let culled = kept.culled.as_ref().expect("culled just above");
         let occupancy = &culled.occupancy;
-        let plan = match settings.skip {
-            Skip::Box => Plan::Box,
-            Skip::Hull => Plan::Hull(skip::Hull { occupancy }),
-            Skip::HalfSplit => {
-                let axis = skip::half_axis(settings.camera.forward());
-                Plan::HalfSplit(skip::HalfSplit {
-                    occupancy,
-                    axis,
-                    cut: kept.accelerator.cut(axis),
-                })
-            }
-        };
+        let plan = Plan::new(settings.skip, occupancy, settings.camera.forward())?;
         Ok((plan, culled.preparation(&kept.accelerator, kept.build_ms)))
+    }
+
+    /// What the SIMD backend needs.
+    pub(super) fn cpu_plan(
+        &mut self,
+        settings: &Settings,
+        scene: &Scene,
+        table: &Arc<Table>,
+    ) -> Result<(&CpuPlan, Preparation)> {
+        if settings.skip == Skip::Box {
+            let is_current = self
+                .cpu_box
+                .as_ref()
+                .is_some_and(|(kept, _)| kept.shows_the_same_as(table));
+            if !is_current {
+                let nothing = Occupancy::new(scene.volume.dims, settings.block);
+                let plan = CpuPlan::new(Skip::Box, scene.volume, table, &nothing)?;
+                self.cpu_box = Some((Arc::clone(table), plan));
+            }
+            let (_, plan) = self.cpu_box.as_ref().expect("made just above");
+            return Ok((plan, Preparation::default()));
+        }
+        let kept = self.culled(settings, scene, table)?;
+        let culled = kept.culled.as_mut().expect("culled just above");
+        if !culled
+            .cpu_plans
+            .iter()
+            .any(|plan| plan.skip() == settings.skip)
+        {
+            let start = Instant::now();
+            let plan = CpuPlan::new(settings.skip, scene.volume, table, &culled.occupancy)?;
+            culled.cpu_plans.push(plan);
+            culled.cull_ms += ms_since(start);
+        }
+        let culled = &*culled;
+        let plan = culled
+            .cpu_plans
+            .iter()
+            .find(|plan| plan.skip() == settings.skip);
+        let plan = plan.expect("made just above");
+        let mut preparation = culled.preparation(&kept.accelerator, kept.build_ms);
+        preparation.structure_bytes += plan.bytes() as u64;
+        Ok((plan, preparation))
     }
 
     /// The structures of the settings' block size, culled for the table and mode.
@@ -180,7 +217,8 @@ impl Region {
 /// The regions of a method, near one first.
 fn regions(settings: &Settings, scene: &Scene, accelerator: &Accelerator) -> Vec<Region> {
     match settings.skip {
-        Skip::Box => Vec::new(),
+        // The others take no rasterised parts; the backend refuses what it does not have.
+        Skip::Box | Skip::BeamMasks | Skip::DistanceMap => Vec::new(),
         Skip::Hull => vec![Region {
             half: None,
             blocks: accelerator.grid.dims.map(|n| 0..n),
@@ -279,6 +317,7 @@ impl Culled {
             halves: Default::default(),
             boxes,
             cull_ms: ms_since(start),
+            cpu_plans: Vec::new(),
         }
     }
 

@@ -3,7 +3,9 @@
 //! A method yields for each ray an ascending list of half-open ranges of sample indices. It may leave out only samples
 //! whose contribution is exactly zero (unless its row says lossy), so that the picture is bit-identical to [`Skip::Box`].
 
+pub mod beam_masks;
 mod bounding_box;
+pub mod distance_map;
 mod half_split;
 mod hull;
 #[cfg(test)]
@@ -17,6 +19,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::error::{Error, Result};
 use crate::lattice::{Ray, Real};
 use crate::octree::Occupancy;
 use traversal::Line;
@@ -30,6 +33,10 @@ pub enum Skip {
     Hull,
     /// The hull of each half of the volume, cut across the view's dominant axis.
     HalfSplit,
+    /// Runs of active layers along the view axis, one mask per tile of pixels.
+    BeamMasks,
+    /// Leaps of the distance to the nearest active block.
+    DistanceMap,
 }
 
 /// A method's row in the table that every part of the program reads.
@@ -41,6 +48,8 @@ pub struct Method {
     pub name: &'static str,
     /// Whether pictures are bit-identical to those of [`Skip::Box`].
     pub lossless: bool,
+    /// The backends that have it.
+    pub backends: &'static [&'static str],
     /// The most segments a ray can have where they are known before the march.
     pub max_segments: usize,
     /// One line for help texts.
@@ -57,6 +66,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::Box,
         name: "box",
         lossless: true,
+        backends: &["gpu", "cpu", "reference"],
         max_segments: 1,
         summary: "every sample inside the bounding box",
         origin: "Krüger & Westermann 2003",
@@ -66,6 +76,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::Hull,
         name: "hull",
         lossless: true,
+        backends: &["gpu", "cpu", "reference"],
         max_segments: 1,
         summary: "from the first to the last active block",
         origin: "Hadwiger, Scharsach et al. 2005-2008",
@@ -75,10 +86,31 @@ pub const METHODS: &[Method] = &[
         skip: Skip::HalfSplit,
         name: "half-split",
         lossless: true,
+        backends: &["gpu", "cpu", "reference"],
         max_segments: 2,
         summary: "the hull of each half, cut across the view axis",
         origin: "Yu et al. 2016",
         known_failure: "a cavity off the cut, or a second one, is still marched",
+    },
+    Method {
+        skip: Skip::BeamMasks,
+        name: "beam-masks",
+        lossless: true,
+        backends: &["cpu"],
+        max_segments: usize::MAX,
+        summary: "runs of active layers along the view axis, one mask per tile of pixels",
+        origin: "this project",
+        known_failure: "coarse where a tile straddles much",
+    },
+    Method {
+        skip: Skip::DistanceMap,
+        name: "distance-map",
+        lossless: true,
+        backends: &["cpu"],
+        max_segments: usize::MAX,
+        summary: "leaps of the Chebyshev distance to the nearest active block",
+        origin: "Sramek & Kaufman 2000; Deakin & Knoll 2019",
+        known_failure: "fragmented data: the leaps get short; the map is rebuilt with every table",
     },
 ];
 
@@ -92,6 +124,22 @@ impl Skip {
             .iter()
             .find(|m| m.skip == self)
             .expect("every method has a row")
+    }
+
+    /// Checks that a backend has this method.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] that names the backends that do.
+    pub fn check_backend(self, backend: &str) -> Result<()> {
+        let Method { name, backends, .. } = self.method();
+        if backends.contains(&backend) {
+            return Ok(());
+        }
+        let reason = format!(
+            "the {backend} backend does not have {name}; {} has",
+            backends.join(", ")
+        );
+        Err(Error::setting("method", reason))
     }
 
     /// The method of this name.
@@ -113,18 +161,26 @@ pub enum Plan<'a> {
 
 impl<'a> Plan<'a> {
     /// The method `skip` over these blocks for a camera that looks along `forward`; half-split cuts in the middle.
-    pub fn new(skip: Skip, occupancy: &'a Occupancy, forward: DVec3) -> Self {
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for methods that have no segments of a single ray: only the backends named in it have them.
+    pub fn new(skip: Skip, occupancy: &'a Occupancy, forward: DVec3) -> Result<Self> {
         match skip {
-            Skip::Box => Self::Box,
-            Skip::Hull => Self::Hull(Hull { occupancy }),
+            Skip::Box => Ok(Self::Box),
+            Skip::Hull => Ok(Self::Hull(Hull { occupancy })),
             Skip::HalfSplit => {
                 let axis = half_axis(forward);
-                Self::HalfSplit(HalfSplit {
+                let cut = occupancy.half_cut(axis);
+                Ok(Self::HalfSplit(HalfSplit {
                     occupancy,
                     axis,
-                    cut: occupancy.dims[axis] / 2,
-                })
+                    cut,
+                }))
             }
+            Skip::BeamMasks | Skip::DistanceMap => Err(Error::setting(
+                "method",
+                format!("{} has no segments of a single ray", skip.method().name),
+            )),
         }
     }
 

@@ -136,7 +136,7 @@ proptest! {
         let exact = render_f64(&scene, &Plan::Box, &Progress::default()).expect("not cancelled");
 
         let mut plans: Vec<Plan> = [Skip::Hull, Skip::HalfSplit]
-            .map(|skip| Plan::new(skip, &occupancy, camera.forward()))
+            .map(|skip| Plan::new(skip, &occupancy, camera.forward()).unwrap())
             .into();
         // Any cut will do, not only the one that pays.
         plans.extend((0..3).map(|axis| {
@@ -211,9 +211,12 @@ fn each_method_takes_fewer_samples_of_a_hollow_box() {
     let occupancy = occupancy(&volume, &table, 4);
     let scene = scene(&volume, &table, &frame, 1.0);
     let samples = [Skip::Box, Skip::Hull, Skip::HalfSplit].map(|skip| {
-        counted(&scene, &Plan::new(skip, &occupancy, camera.forward()))
-            .counters
-            .samples
+        counted(
+            &scene,
+            &Plan::new(skip, &occupancy, camera.forward()).unwrap(),
+        )
+        .counters
+        .samples
     });
     assert!(
         samples[2] < samples[1] && samples[1] < samples[0],
