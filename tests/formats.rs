@@ -51,7 +51,12 @@ fn check_geometry(name: &str, volume: &Volume, expected: &Value) {
         }
     }
     for field in ["spacings", "spacing", "zooms"] {
-        for (i, want) in numbers(&expected[field]).into_iter().flatten().enumerate().take(3) {
+        for (i, want) in numbers(&expected[field])
+            .into_iter()
+            .flatten()
+            .enumerate()
+            .take(3)
+        {
             assert!(near(volume.spacing[i], want), "{name}: {field} {i}");
         }
     }
@@ -79,21 +84,35 @@ fn check_geometry(name: &str, volume: &Volume, expected: &Value) {
 
 #[test]
 fn stored_numbers_hash_to_what_the_reference_readers_return() {
-    let Some((folder, expected)) = samples() else { return };
+    let Some((folder, expected)) = samples() else {
+        return;
+    };
     for (name, expected) in expected.iter().filter(|(_, e)| e["error"].is_null()) {
         let stored = read_stored(&folder.join(name), None).unwrap_or_else(|e| panic!("{e}"));
         let hash = Sha256::digest(&stored.bytes);
         let hash: String = hash.iter().take(16).map(|b| format!("{b:02x}")).collect();
         assert_eq!(hash, expected["sha256_le"], "{name}");
         assert_eq!(stored.scalar.name(), expected["dtype"], "{name}");
-        let shape: Vec<_> = stored.shape.iter().rev().copied().map(Value::from).collect();
-        assert_eq!(Value::from(shape), expected["shape_slowest_first"], "{name}");
+        let shape: Vec<_> = stored
+            .shape
+            .iter()
+            .rev()
+            .copied()
+            .map(Value::from)
+            .collect();
+        assert_eq!(
+            Value::from(shape),
+            expected["shape_slowest_first"],
+            "{name}"
+        );
     }
 }
 
 #[test]
 fn volumes_have_the_shape_the_place_and_the_numbers_of_the_first_that_is_stored() {
-    let Some((folder, expected)) = samples() else { return };
+    let Some((folder, expected)) = samples() else {
+        return;
+    };
     for (name, expected) in expected.iter().filter(|(_, e)| e["error"].is_null()) {
         let path = folder.join(name);
         let volume = open(&path, None).unwrap_or_else(|e| panic!("{e}"));
@@ -103,14 +122,23 @@ fn volumes_have_the_shape_the_place_and_the_numbers_of_the_first_that_is_stored(
         assert_eq!(volume.dims, dims[..3], "{name}");
         let several = dims[3..].iter().product::<usize>() > 1;
         let converted = volume.voxels.voxel_type().name() != stored.scalar.name();
+        // One sample ends in a newline after its voxels.
+        let losses = volume
+            .warnings
+            .iter()
+            .filter(|w| !w.contains("1 bytes follow"));
         assert_eq!(
-            volume.warnings.len(),
+            losses.count(),
             usize::from(several) + usize::from(converted),
             "{name}: {:?}",
             volume.warnings
         );
         if !converted && cfg!(target_endian = "little") {
-            assert_eq!(volume.voxels.as_bytes(), &stored.bytes[..volume.bytes()], "{name}");
+            assert_eq!(
+                volume.voxels.as_bytes(),
+                &stored.bytes[..volume.bytes()],
+                "{name}"
+            );
         }
         if stored.scalar == Scalar::F64 {
             let exact = f64::from_le_bytes(stored.bytes[..8].try_into().unwrap());
@@ -123,9 +151,14 @@ fn volumes_have_the_shape_the_place_and_the_numbers_of_the_first_that_is_stored(
 
 #[test]
 fn files_that_contradict_themselves_are_refused_in_one_line() {
-    let Some((folder, expected)) = samples() else { return };
+    let Some((folder, expected)) = samples() else {
+        return;
+    };
     for (name, field) in [
-        ("nrrd/pynrrd/BallBinary30x30x30_byteskip_minus_five.nhdr", "byte skip: "),
+        (
+            "nrrd/pynrrd/BallBinary30x30x30_byteskip_minus_five.nhdr",
+            "byte skip: ",
+        ),
         ("nrrd/pynrrd/BallBinary30x30x30_nifti.nhdr", "data: "),
     ] {
         assert!(expected[name]["error"].is_string());
@@ -135,7 +168,10 @@ fn files_that_contradict_themselves_are_refused_in_one_line() {
         ] {
             let line = error.to_string();
             assert!(error.is_bad_input() && line.lines().count() == 1, "{line}");
-            assert!(line.contains("BallBinary30x30x30") && line.contains(field), "{line}");
+            assert!(
+                line.contains("BallBinary30x30x30") && line.contains(field),
+                "{line}"
+            );
         }
     }
     let refused = expected.values().filter(|e| e["error"].is_string()).count();
@@ -148,7 +184,10 @@ fn volpack_files_are_known_by_their_content() {
     let path = folder.join("raw/brainsmall.den");
     let volume = open(&path, None).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(volume.dims, [128, 128, 84]);
-    assert_eq!(volume.voxels.as_bytes(), &std::fs::read(&path).unwrap()[62..]);
+    assert_eq!(
+        volume.voxels.as_bytes(),
+        &std::fs::read(&path).unwrap()[62..]
+    );
 }
 
 #[test]

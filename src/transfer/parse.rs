@@ -69,7 +69,11 @@ impl TransferFunction {
     pub fn from_file(path: &Path) -> Result<Self> {
         let len = path.metadata().map_err(|e| Error::io(path, e))?.len();
         if len > MAX_FILE_BYTES {
-            return Err(Error::file(path, "file", "is too large for a transfer function"));
+            return Err(Error::file(
+                path,
+                "file",
+                "is too large for a transfer function",
+            ));
         }
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
         Self::from_toml(&text).map_err(|e| match e {
@@ -163,7 +167,15 @@ mod tests {
         for value in [41.0, 100.0, 147.5, 200.0] {
             assert!((tf.at(value).1 - 0.3 * (value - 40.0) / 215.0).abs() < 1e-15);
         }
-        for bad in ["ramp:", "ramp:1:2", "ramp:2:1:0.3", "ramp:a:2:0.3", "ramp:0:inf:0.3", "ramp:0:nan:0.3", "ramp:1:2:3"] {
+        for bad in [
+            "ramp:",
+            "ramp:1:2",
+            "ramp:2:1:0.3",
+            "ramp:a:2:0.3",
+            "ramp:0:inf:0.3",
+            "ramp:0:nan:0.3",
+            "ramp:1:2:3",
+        ] {
             assert!(from_spec(bad).unwrap_err().is_bad_input(), "{bad}");
         }
     }
@@ -181,21 +193,41 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("tf.toml");
         for (text, field) in [
-            ("points = [{ value = 1, opacity = 2.0, color = [0, 0, 0] }]", "points[0].opacity"),
+            (
+                "points = [{ value = 1, opacity = 2.0, color = [0, 0, 0] }]",
+                "points[0].opacity",
+            ),
             ("points = []", "points"),
             ("\npoint = 3\npoints = []", "line 2: unknown field"),
-            ("points = [{ value = 1, opacity = 0.5, colour = [0, 0, 0] }]", "line 1: unknown field"),
-            ("points = [{ value = 1, opacity = 0.5, color = [0, 0] }]", "line 1: "),
-            ("reference_length_voxels = 0\npoints = [{ value = 1, opacity = 0.5, color = [0, 0, 0] }]", "reference_length_voxels"),
+            (
+                "points = [{ value = 1, opacity = 0.5, colour = [0, 0, 0] }]",
+                "line 1: unknown field",
+            ),
+            (
+                "points = [{ value = 1, opacity = 0.5, color = [0, 0] }]",
+                "line 1: ",
+            ),
+            (
+                "reference_length_voxels = 0\npoints = [{ value = 1, opacity = 0.5, color = [0, 0, 0] }]",
+                "reference_length_voxels",
+            ),
             ("points = [", "line 1: "),
         ] {
             std::fs::write(&path, text).unwrap();
             let error = from_spec(path.to_str().unwrap()).unwrap_err();
             let line = error.to_string();
             assert!(error.is_bad_input() && !line.contains('\n'), "{line}");
-            assert!(line.contains(path.to_str().unwrap()) && line.contains(field), "{line}");
+            assert!(
+                line.contains(path.to_str().unwrap()) && line.contains(field),
+                "{line}"
+            );
         }
-        assert!(from_spec("transluscent").unwrap_err().to_string().contains("translucent"));
+        assert!(
+            from_spec("transluscent")
+                .unwrap_err()
+                .to_string()
+                .contains("translucent")
+        );
         assert!(from_spec("missing.toml").unwrap_err().is_bad_input());
     }
 }

@@ -121,13 +121,19 @@ pub fn threshold(statistics: &Statistics) -> f64 {
         bin
     };
     let stored = statistics.first + stored_bin * statistics.width;
-    statistics.rescale.value_from_stored(stored).clamp(low, high)
+    statistics
+        .rescale
+        .value_from_stored(stored)
+        .clamp(low, high)
 }
 
 /// The bin where two classes of bins differ most between and least within; the middle one of several alike.
 fn otsu(counts: &[u64]) -> f64 {
     let total: f64 = counts.iter().map(|&n| n as f64).sum();
-    let moment: f64 = (0..).zip(counts).map(|(i, &n)| f64::from(i) * n as f64).sum();
+    let moment: f64 = (0..)
+        .zip(counts)
+        .map(|(i, &n)| f64::from(i) * n as f64)
+        .sum();
     let (mut below, mut moment_below) = (0.0, 0.0);
     let mut best = (0.0, 1, 1);
     for (i, &n) in counts[..counts.len() - 1].iter().enumerate() {
@@ -143,6 +149,11 @@ fn otsu(counts: &[u64]) -> f64 {
         }
     }
     f64::from(best.1 as u32 + best.2 as u32) * 0.5
+}
+
+/// The same of all bins but the lowest.
+fn otsu_of_rest(counts: &[u64]) -> f64 {
+    1.0 + otsu(&counts[1..])
 }
 
 /// Li and Lee's threshold by their fixed-point iteration (Li and Tam 1998), from `start`; bins count from 1.
@@ -170,17 +181,25 @@ fn li(counts: &[u64], start: f64) -> f64 {
     threshold.max(0.0)
 }
 
-/// The last peak below Otsu's threshold that is not the lowest bin and holds, down to half its height, a tenth of what
-/// lies above the lowest bin.
+/// The last peak of the background but for its lowest bin: one that holds, over the bins around it from half its height to
+/// all of it, a tenth of what lies
+/// above the lowest bin, and lies below Otsu's threshold. Where the lowest bin is a spike (air cut off to one number),
+/// that threshold parts the spike from the noise; then a peak of the dimmer half counts that lies below Otsu's
+/// threshold of the rest and outweighs all that is brighter two to one.
 fn background_peak(counts: &[u64], otsu: f64) -> Option<usize> {
     let above_lowest: u64 = counts[1..].iter().sum();
+    if counts.len() < 3 {
+        return None;
+    }
     // Otsu's threshold cuts a peak anywhere: one bin of slack, for data of few values.
-    let end = (otsu as usize + 2).min(counts.len());
+    let end = |threshold: f64| (threshold as usize + 2).min(counts.len());
+    let (sure, end) = (end(otsu), end(otsu_of_rest(counts).max(otsu)));
     // Combs, as rescaled integers make them, are smoothed away.
     let reach = counts.len() / 64;
     let smooth: Vec<f64> = (0..counts.len())
         .map(|i| {
-            let around = i.saturating_sub(reach).max(usize::from(i > 0))..(i + reach + 1).min(counts.len());
+            let around =
+                i.saturating_sub(reach).max(usize::from(i > 0))..(i + reach + 1).min(counts.len());
             let n = around.len() as f64;
             counts[around].iter().map(|&c| c as f64).sum::<f64>() / n
         })
@@ -190,13 +209,15 @@ fn background_peak(counts: &[u64], otsu: f64) -> Option<usize> {
         if higher(smooth.get(i - 1)) || higher(smooth.get(i + 1)) {
             return false;
         }
-        let half = smooth[i] * 0.5;
-        let from = (1..i).rev().take_while(|&j| smooth[j] >= half).count();
-        let to = (i..counts.len()).take_while(|&j| smooth[j] >= half).count();
+        let part = |&j: &usize| (smooth[i] * 0.5..=smooth[i]).contains(&smooth[j]);
+        let from = (1..i).rev().take_while(part).count();
+        let to = (i..counts.len()).take_while(part).count();
         // Falling all the way from the lowest bin is no peak of its own.
-        let rises = i - from > 1 || smooth[i - from] < smooth[i];
+        let rises = smooth[i - from] < smooth[i];
         let mass: u64 = counts[i - from..i + to].iter().sum();
-        rises && mass * 10 >= above_lowest
+        let brighter: u64 = counts[i + to..].iter().sum();
+        let background = i < sure || (i * 2 < counts.len() && mass > 2 * brighter);
+        rises && background && mass * 10 >= above_lowest
     })
 }
 
@@ -230,7 +251,9 @@ mod tests {
     fn scan(noise: u8, object: u8) -> Volume {
         let bell = |centre: u8, n: usize| {
             (0..n).map(move |i| {
-                let spread: i32 = (0..4).map(|k| ((i * 7919 + i / 13 * (k + 1)) >> (3 * k)) as i32 % 7 - 3).sum();
+                let spread: i32 = (0..4)
+                    .map(|k| ((i * 7919 + i / 13 * (k + 1)) >> (3 * k)) as i32 % 7 - 3)
+                    .sum();
                 (i32::from(centre) + spread) as u8
             })
         };
@@ -274,7 +297,9 @@ mod tests {
     #[test]
     fn presets_hide_the_background_and_show_the_object() {
         for preset in PRESETS {
-            let tf = preset.transfer_function(&Statistics::of(&scan(20, 200))).unwrap();
+            let tf = preset
+                .transfer_function(&Statistics::of(&scan(20, 200)))
+                .unwrap();
             assert_eq!(tf.at(0.0).1, 0.0, "{}", preset.name);
             assert_eq!(tf.at(32.0).1, 0.0, "{}", preset.name);
             assert!(tf.at(200.0).1 > 0.2, "{}", preset.name);

@@ -24,7 +24,8 @@ pub(super) fn finite(store: Store<f32>) -> Converted {
         .par_iter()
         .map(|&v| if v.is_finite() { v } else { lowest })
         .collect();
-    let warning = format!("{lost} voxels were not finite: set to the smallest finite value, {lowest}");
+    let warning =
+        format!("{lost} voxels were not finite: set to the smallest finite value, {lowest}");
     Some((Voxels::F32(voxels.into()), vec![warning]))
 }
 
@@ -85,7 +86,8 @@ where
         .par_iter()
         .map(|&v| Into::<i128>::into(v) as f32)
         .collect();
-    let warning = format!("{name} voxels are kept as float32: {rounded} were rounded, by at most {worst}");
+    let warning =
+        format!("{name} voxels are kept as float32: {rounded} were rounded, by at most {worst}");
     Some((Voxels::F32(voxels.into()), vec![warning]))
 }
 
@@ -95,7 +97,9 @@ pub(super) fn from_f64(numbers: &[f64]) -> Converted {
     if numbers.par_iter().all(whole) {
         let low = numbers.par_iter().copied().reduce_with(f64::min)?;
         let high = numbers.par_iter().copied().reduce_with(f64::max)?;
-        let small = narrow(numbers.len(), [low as i128, high as i128], |i| numbers[i] as i64);
+        let small = narrow(numbers.len(), [low as i128, high as i128], |i| {
+            numbers[i] as i64
+        });
         if let Some(voxels) = small {
             let warnings = lossless("float64", &voxels);
             return Some((voxels, warnings));
@@ -157,7 +161,10 @@ mod tests {
     fn a_loss_is_stated_with_its_size() {
         let (voxels, warnings) = from_integers(&[0_u64, (1 << 24) + 1], "uint64").unwrap();
         assert_eq!(as_f64(&voxels), [0.0, f64::from(1 << 24)]);
-        assert!(warnings[0].contains("1 were rounded, by at most 1"), "{warnings:?}");
+        assert!(
+            warnings[0].contains("1 were rounded, by at most 1"),
+            "{warnings:?}"
+        );
         let (voxels, warnings) = from_f64(&[0.1, 1e300, f64::NAN]).unwrap();
         assert_eq!(as_f64(&voxels)[2], f64::from(0.1_f32));
         assert_eq!(as_f64(&voxels)[1], f64::from(f32::MAX));

@@ -235,6 +235,9 @@ mod tests {
             rest += voxel(&whole, [i & 1, 6, i >> 1]) / 4.0;
         }
         assert_eq!(voxel(&half, [0, 3, 0]), rest.round());
-        assert_eq!(whole.downsample(1).unwrap().voxels.as_bytes(), whole.voxels.as_bytes());
+        assert_eq!(
+            whole.downsample(1).unwrap().voxels.as_bytes(),
+            whole.voxels.as_bytes()
+        );
     }
 }

@@ -12,7 +12,8 @@ use crate::with_voxels;
 pub fn enclosed_share(volume: &Volume, is_empty: impl Fn(f64) -> bool + Sync) -> f64 {
     let rows = Rows::new(volume, is_empty);
     let reached = rows.flood();
-    let count = |words: &[u64]| -> u64 { words.par_iter().map(|w| u64::from(w.count_ones())).sum() };
+    let count =
+        |words: &[u64]| -> u64 { words.par_iter().map(|w| u64::from(w.count_ones())).sum() };
     (count(&rows.empty) - count(&reached)) as f64 / volume.len() as f64
 }
 

@@ -67,7 +67,8 @@ impl Geometry {
             .zip(&usable)
             .any(|(s, u)| s.is_some() && u.is_none())
         {
-            warnings.push("an axis has a zero or infinite spacing: taken as its neighbours'".into());
+            warnings
+                .push("an axis has a zero or infinite spacing: taken as its neighbours'".into());
         }
         let known = || usable.iter().flatten().map(|v| v.length());
         let fallback = known().fold(f64::INFINITY, f64::min);
@@ -86,7 +87,8 @@ impl Geometry {
         let direction = if direction.determinant().abs() > 1e-6 {
             direction
         } else {
-            warnings.push("the axes' directions do not span space: taken as the world's axes".into());
+            warnings
+                .push("the axes' directions do not span space: taken as the world's axes".into());
             DMat3::IDENTITY
         };
         let origin = if origin.is_finite() {
@@ -217,8 +219,9 @@ impl Header {
             }
             Scalar::F64 => convert::from_f64(&self.payload.read(n, endian, whole)?),
         };
-        let (voxels, warnings) = converted
-            .ok_or_else(|| Error::file(&self.payload.path, "data", "no voxel is a finite number"))?;
+        let (voxels, warnings) = converted.ok_or_else(|| {
+            Error::file(&self.payload.path, "data", "no voxel is a finite number")
+        })?;
         self.warnings.extend(warnings);
         Ok(voxels)
     }

@@ -15,7 +15,14 @@ use crate::error::{Error, Result};
 const MAX_HEADER_BYTES: u64 = 1 << 20;
 
 /// Keys that a header may start with.
-const FIRST_KEYS: &[&str] = &["ObjectType", "ObjectSubType", "NDims", "Comment", "Name", "ID"];
+const FIRST_KEYS: &[&str] = &[
+    "ObjectType",
+    "ObjectSubType",
+    "NDims",
+    "Comment",
+    "Name",
+    "ID",
+];
 
 /// Whether a file that starts so is a MetaImage: there is no magic number, only a first key of this format.
 pub(super) fn is_metaimage(head: &[u8]) -> bool {
@@ -44,7 +51,11 @@ impl Fields<'_> {
                 continue;
             }
             let (key, value) = line.split_once('=').ok_or_else(|| {
-                Error::file(path, format!("line {}", i + 1), "is not of the form key = value")
+                Error::file(
+                    path,
+                    format!("line {}", i + 1),
+                    "is not of the form key = value",
+                )
             })?;
             fields.insert(key.trim().to_owned(), value.trim().to_owned());
             // By definition the last line of the header.
@@ -94,7 +105,10 @@ impl Fields<'_> {
         if numbers.len() == count {
             Ok(Some(numbers))
         } else {
-            Err(self.error(key, format!("{} numbers where {count} are needed", numbers.len())))
+            Err(self.error(
+                key,
+                format!("{} numbers where {count} are needed", numbers.len()),
+            ))
         }
     }
 
@@ -142,7 +156,10 @@ pub(super) fn header(path: &Path) -> Result<Header> {
     let scalar = scalar(type_name).ok_or_else(|| {
         fields.error(
             "ElementType",
-            format!("\"{}\" is no scalar type that is supported", type_name.escape_debug()),
+            format!(
+                "\"{}\" is no scalar type that is supported",
+                type_name.escape_debug()
+            ),
         )
     })?;
     if let Some((key, channels)) = fields.any(&["ElementNumberOfChannels"])
@@ -179,9 +196,7 @@ pub(super) fn header(path: &Path) -> Result<Header> {
     // The file's rows are the grid axes in the world.
     let step = |i: usize| {
         (i < space).then(|| match &axes {
-            Some(axes) => {
-                in_space(&axes[i * dimension..]).normalize_or_zero() * spacings[i].abs()
-            }
+            Some(axes) => in_space(&axes[i * dimension..]).normalize_or_zero() * spacings[i].abs(),
             None => DVec3::AXES[i] * spacings[i].abs(),
         })
     };

@@ -229,7 +229,9 @@ fn rescale(fields: &Fields, warnings: &mut Vec<String>) -> Rescale {
     }
     // NaN is what some writers put where there is none.
     if !slope.is_nan() || !(intercept.is_nan() || intercept == 0.0) {
-        warnings.push("scl_slope or scl_inter is not finite: stored numbers are taken as values".into());
+        warnings.push(
+            "scl_slope or scl_inter is not finite: stored numbers are taken as values".into(),
+        );
     }
     Rescale::IDENTITY
 }
@@ -256,7 +258,10 @@ fn payload(fields: &Fields) -> Result<Payload> {
         fields.path.to_owned()
     } else {
         partner(fields.path, "img").ok_or_else(|| {
-            fields.error("magic", "says that the voxels are in a .img file, and none is beside it")
+            fields.error(
+                "magic",
+                "says that the voxels are in a .img file, and none is beside it",
+            )
         })?
     };
     let encoding = if read_head(&path, 2)?.starts_with(&GZIP_MAGIC) {

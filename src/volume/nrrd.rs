@@ -163,9 +163,10 @@ const EXTENDING_KINDS: &[&str] = &["domain", "space", "time", "list", "???", "no
 pub(super) fn header(path: &Path) -> Result<Header> {
     let fields = Fields::read(path)?;
     let mut warnings = Vec::new();
-    let dimension: usize = fields.required("dimension")?.parse().map_err(|_| {
-        fields.error("dimension", "is not a number of axes")
-    })?;
+    let dimension: usize = fields
+        .required("dimension")?
+        .parse()
+        .map_err(|_| fields.error("dimension", "is not a number of axes"))?;
     fields.required("sizes")?;
     let mut sizes: Vec<u64> = fields.numbers("sizes")?.unwrap_or_default();
     if sizes.len() != dimension {
@@ -178,7 +179,10 @@ pub(super) fn header(path: &Path) -> Result<Header> {
     let scalar = Scalar::from_name(type_name).ok_or_else(|| {
         fields.error(
             "type",
-            format!("\"{}\" is no scalar type that is supported", type_name.escape_debug()),
+            format!(
+                "\"{}\" is no scalar type that is supported",
+                type_name.escape_debug()
+            ),
         )
     })?;
     let encoding_name = fields.required("encoding")?;

@@ -24,9 +24,9 @@ pub enum Packing {
 /// # Errors
 /// [`Error::Io`] where the file cannot be written.
 pub fn write_nrrd(volume: &Volume, path: &Path, packing: Packing) -> Result<()> {
-    let name = path.file_name().ok_or_else(|| {
-        Error::file(path, "file", "has no name to write to")
-    })?;
+    let name = path
+        .file_name()
+        .ok_or_else(|| Error::file(path, "file", "has no name to write to"))?;
     let mut part = std::ffi::OsString::from(".");
     part.push(name);
     part.push(format!(".{}.part", std::process::id()));
@@ -67,7 +67,11 @@ fn header(volume: &Volume, packing: Packing) -> String {
         axis(0),
         axis(1),
         axis(2),
-        if cfg!(target_endian = "big") { "big" } else { "little" },
+        if cfg!(target_endian = "big") {
+            "big"
+        } else {
+            "little"
+        },
         match packing {
             Packing::Raw => "raw",
             Packing::Gzip => "gzip",
@@ -77,7 +81,10 @@ fn header(volume: &Volume, packing: Packing) -> String {
     if volume.rescale != Rescale::IDENTITY {
         let Rescale { slope, intercept } = volume.rescale;
         // Writing to a string cannot fail.
-        let _ = write!(lines, "{SLOPE_KEY}:={slope}\n{INTERCEPT_KEY}:={intercept}\n");
+        let _ = write!(
+            lines,
+            "{SLOPE_KEY}:={slope}\n{INTERCEPT_KEY}:={intercept}\n"
+        );
     }
     // A comment fills the header up so that voxels are aligned for every type, which a reader needs to map them.
     let magic = "NRRD0005\n";
@@ -100,10 +107,34 @@ mod tests {
         let cast = |b: &u8| *b;
         for voxels in [
             Voxels::U8(bytes.clone().into()),
-            Voxels::I8(bytes.iter().map(|b| cast(b) as i8).collect::<Vec<_>>().into()),
-            Voxels::U16(bytes.iter().map(|b| u16::from(*b) * 257).collect::<Vec<_>>().into()),
-            Voxels::I16(bytes.iter().map(|b| i16::from(*b) * -100).collect::<Vec<_>>().into()),
-            Voxels::F32(bytes.iter().map(|b| f32::from(*b) * 0.3).collect::<Vec<_>>().into()),
+            Voxels::I8(
+                bytes
+                    .iter()
+                    .map(|b| cast(b) as i8)
+                    .collect::<Vec<_>>()
+                    .into(),
+            ),
+            Voxels::U16(
+                bytes
+                    .iter()
+                    .map(|b| u16::from(*b) * 257)
+                    .collect::<Vec<_>>()
+                    .into(),
+            ),
+            Voxels::I16(
+                bytes
+                    .iter()
+                    .map(|b| i16::from(*b) * -100)
+                    .collect::<Vec<_>>()
+                    .into(),
+            ),
+            Voxels::F32(
+                bytes
+                    .iter()
+                    .map(|b| f32::from(*b) * 0.3)
+                    .collect::<Vec<_>>()
+                    .into(),
+            ),
         ] {
             let volume = Volume {
                 name: path.display().to_string(),
@@ -124,8 +155,20 @@ mod tests {
                 assert_eq!(read.voxels.as_bytes(), volume.voxels.as_bytes());
                 assert_eq!(read.voxels.voxel_type(), volume.voxels.voxel_type());
                 assert_eq!(
-                    (read.dims, read.spacing, read.origin, read.direction, read.rescale),
-                    (volume.dims, volume.spacing, volume.origin, volume.direction, volume.rescale)
+                    (
+                        read.dims,
+                        read.spacing,
+                        read.origin,
+                        read.direction,
+                        read.rescale
+                    ),
+                    (
+                        volume.dims,
+                        volume.spacing,
+                        volume.origin,
+                        volume.direction,
+                        volume.rescale
+                    )
                 );
                 assert!(read.warnings.is_empty(), "{:?}", read.warnings);
             }

@@ -250,7 +250,9 @@ impl Payload {
             Encoding::Bzip2 => "bzip2",
             Encoding::Raw | Encoding::Text | Encoding::Hex => "voxel",
         };
-        self.error(format!("the {packing} data are damaged or cut short ({error})"))
+        self.error(format!(
+            "the {packing} data are damaged or cut short ({error})"
+        ))
     }
 
     /// The whole text after the header; what it takes is in the file.
@@ -277,7 +279,9 @@ impl Payload {
         let text = self.text(packed, count as u64 * 2 - 1, packed_len)?;
         let skip = match self.skip {
             Skip::Bytes(skip) => (skip as usize).min(text.len()),
-            Skip::ToEnd => return Err(Error::file(&self.path, "byte skip", "-1 needs binary data")),
+            Skip::ToEnd => {
+                return Err(Error::file(&self.path, "byte skip", "-1 needs binary data"));
+            }
         };
         let mut tokens = text[skip..]
             .split(|b| b.is_ascii_whitespace() || *b == b',')
@@ -296,7 +300,11 @@ impl Payload {
         if voxels.len() < count || tokens.next().is_some() {
             return Err(self.error(format!(
                 "the header declares {count} numbers and the text has {}",
-                if voxels.len() < count { "fewer" } else { "more" }
+                if voxels.len() < count {
+                    "fewer"
+                } else {
+                    "more"
+                }
             )));
         }
         Ok(voxels)

@@ -31,14 +31,20 @@ pub const NAMES: &[(&str, &str)] = &[
         "a teapot with spout, handle and an open lid, and something inside",
     ),
     ("capsules", "solid capsules laid out like a foot: no cavity"),
-    ("gyroid", "the sheet of a gyroid: cavities everywhere, all connected"),
+    (
+        "gyroid",
+        "the sheet of a gyroid: cavities everywhere, all connected",
+    ),
     ("menger", "a Menger sponge"),
     ("checkerboard", "every other voxel, in all directions"),
     ("noise", "a hash of every voxel: nothing can be skipped"),
     ("empty", "nothing"),
     ("full", "one material everywhere"),
     ("thin", "a spherical shell one voxel thick"),
-    ("slab", "half the material everywhere, for chords in closed form"),
+    (
+        "slab",
+        "half the material everywhere, for chords in closed form",
+    ),
     ("ramp", "linear in x, from 0 on"),
 ];
 
@@ -112,7 +118,11 @@ pub fn make(name: &str, dims: [usize; 3]) -> Result<Volume> {
             let names: Vec<&str> = NAMES.iter().map(|(name, _)| *name).collect();
             return Err(Error::setting(
                 "phantom",
-                format!("\"{}\" is none of {}", name.escape_debug(), names.join(", ")),
+                format!(
+                    "\"{}\" is none of {}",
+                    name.escape_debug(),
+                    names.join(", ")
+                ),
             ));
         }
     };
@@ -243,7 +253,14 @@ mod tests {
                 assert_eq!(data(name, dims).len(), dims.iter().product::<usize>());
             }
         }
-        for bad in ["pot", "pot:0", "teapot:4", "pot:4x4", "full:70000x1x1", "full:65536"] {
+        for bad in [
+            "pot",
+            "pot:0",
+            "teapot:4",
+            "pot:4x4",
+            "full:70000x1x1",
+            "full:65536",
+        ] {
             assert!(from_spec(bad).is_err(), "{bad}");
         }
         assert_eq!(from_spec("pot:3x4x5").unwrap().dims, [3, 4, 5]);
@@ -302,7 +319,7 @@ mod tests {
 
     #[test]
     fn smooth_walls_are_steep_but_not_sharp() {
-        // The middle row of a sphere crosses two walls; next voxels differ by no more than 1 / 1.5 of the material.
+        // The middle row of a sphere crosses two walls; next voxels differ by no more than 1 / 1.5 of the material (240).
         for name in ["sphere", "shells", "pot", "capsules", "gyroid"] {
             let bytes = data(name, [64; 3]);
             let steepest = bytes
@@ -310,7 +327,7 @@ mod tests {
                 .flat_map(|line| line.windows(2).map(|w| w[0].abs_diff(w[1])))
                 .max()
                 .unwrap();
-            assert!((100..=150).contains(&steepest), "{name}: {steepest}");
+            assert!((100..=160).contains(&steepest), "{name}: {steepest}");
         }
     }
 

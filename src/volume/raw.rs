@@ -101,8 +101,9 @@ impl Sidecar {
         let scalar = Scalar::from_name(&sidecar.scalar)
             .ok_or_else(|| bad("type", "is no scalar type that is supported"))?;
         let endian = match &sidecar.endian {
-            Some(name) => Endian::from_name(name)
-                .ok_or_else(|| bad("endian", "is neither little nor big"))?,
+            Some(name) => {
+                Endian::from_name(name).ok_or_else(|| bad("endian", "is neither little nor big"))?
+            }
             None => Endian::Little,
         };
         Ok(RawLayout {
@@ -152,13 +153,19 @@ pub(super) fn header(path: &Path, layout: Option<&RawLayout>) -> Result<Header> 
         })?,
     };
     if !layout.spacing.cmpgt(DVec3::ZERO).all() || !layout.spacing.is_finite() {
-        return Err(Error::file(path, "spacing", "must be three positive numbers"));
+        return Err(Error::file(
+            path,
+            "spacing",
+            "must be three positive numbers",
+        ));
     }
     let (_, len) = open_file(path)?;
     let voxels = layout
         .dims
         .iter()
-        .try_fold(layout.scalar.bytes() as u64, |n, &d| n.checked_mul(d as u64))
+        .try_fold(layout.scalar.bytes() as u64, |n, &d| {
+            n.checked_mul(d as u64)
+        })
         .and_then(|n| n.checked_add(layout.skip_bytes));
     // With no header to trust, dims that do not fit the file to the byte are wrong, and so would the picture be.
     if voxels != Some(len) {

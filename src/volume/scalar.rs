@@ -176,10 +176,7 @@ impl std::str::FromStr for Endian {
 
     fn from_str(name: &str) -> Result<Self> {
         Self::from_name(name).ok_or_else(|| {
-            Error::setting(
-                "endian",
-                format!("\"{name}\" is neither little nor big"),
-            )
+            Error::setting("endian", format!("\"{name}\" is neither little nor big"))
         })
     }
 }

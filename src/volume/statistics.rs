@@ -177,7 +177,11 @@ mod tests {
             assert_eq!(statistics.count() as usize, stored.len());
             for (i, &count) in statistics.histogram.iter().enumerate() {
                 let from = statistics.first + i as f64 * statistics.width;
-                let to = if i == BINS - 1 { f64::INFINITY } else { from + statistics.width };
+                let to = if i == BINS - 1 {
+                    f64::INFINITY
+                } else {
+                    from + statistics.width
+                };
                 let inside = stored.iter().filter(|s| (from..to).contains(*s)).count() as i64;
                 // An edge of float bins is rounded once here and once there.
                 let slack = i64::from(!statistics.integers);
