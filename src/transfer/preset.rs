@@ -89,7 +89,7 @@ impl Preset {
 /// Two criteria of thresholding err to opposite sides where a small object lies in a large background: Otsu's (1979),
 /// which assumes alike spreads, cuts into the object; Li and Lee's minimum cross entropy (1993) into the noise. Their
 /// geometric mean is taken, and raised to the foot of the last large peak of the background (air, fat or packing
-/// around the object), which is where the histogram lies farthest below the line from that peak to its end.
+/// around the object), which is where the histogram lies farthest below the line from that peak down to its end.
 ///
 /// A volume of one value is background if the value is not above 0.
 pub fn threshold(statistics: &Statistics) -> f64 {
@@ -212,8 +212,12 @@ fn background_peak(counts: &[u64], otsu: f64) -> Option<usize> {
         let part = |&j: &usize| (smooth[i] * 0.5..=smooth[i]).contains(&smooth[j]);
         let from = (1..i).rev().take_while(part).count();
         let to = (i..counts.len()).take_while(part).count();
-        // Falling all the way from the lowest bin is no peak of its own.
-        let rises = smooth[i - from] < smooth[i];
+        // A valley before it makes a peak; ripples on the lowest bin's long tail do not.
+        let valley = smooth[i - from..=i]
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        let rises = valley < 0.9 * smooth[i];
         let mass: u64 = counts[i - from..i + to].iter().sum();
         let brighter: u64 = counts[i + to..].iter().sum();
         let background = i < sure || (i * 2 < counts.len() && mass > 2 * brighter);
@@ -221,14 +225,12 @@ fn background_peak(counts: &[u64], otsu: f64) -> Option<usize> {
     })
 }
 
-/// The bin after `peak` that lies farthest below the straight line from the peak to the last bin (Zack et al. 1977).
+/// The bin after `peak` that lies farthest below the straight line from the peak to 0 at the end (after Zack et al.
+/// 1977, whose line ends on the last bin: where values were cut off to it, that is a spike).
 fn foot(counts: &[u64], peak: usize) -> usize {
     let last = counts.len() - 1;
-    let (top, end) = (counts[peak] as f64, counts[last] as f64);
-    let below = |i: usize| {
-        let line = top + (end - top) * (i - peak) as f64 / (last - peak).max(1) as f64;
-        line - counts[i] as f64
-    };
+    let top = counts[peak] as f64;
+    let below = |i: usize| top * (last - i) as f64 / (last - peak).max(1) as f64 - counts[i] as f64;
     (peak..=last)
         .max_by(|&a, &b| below(a).total_cmp(&below(b)))
         .unwrap_or(peak)
@@ -315,6 +317,20 @@ mod tests {
                     .unwrap();
                 assert_eq!(tf.at(f64::from(value)).1 > 0.0, visible, "{}", preset.name);
             }
+        }
+    }
+
+    #[test]
+    fn no_material_of_a_phantom_is_taken_for_background() {
+        for (name, least) in [
+            ("sphere", 200.0),
+            ("shells", 160.0),
+            ("pot", 200.0),
+            ("slab", 100.0),
+        ] {
+            let statistics = Statistics::of(&phantom::make(name, [48; 3]).unwrap());
+            let at = threshold(&statistics);
+            assert!(at < least, "{name}: {at}");
         }
     }
 
