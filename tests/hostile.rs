@@ -96,7 +96,7 @@ fn seeds() -> Vec<(&'static str, Vec<u8>, Vec<u8>)> {
         )
         .into_bytes()
     };
-    let text: String = voxels.chunks(2).map(|v| format!("{} ", v[0])).collect();
+    let text: Vec<String> = voxels.chunks(2).map(|v| v[0].to_string()).collect();
     let hex: String = voxels.iter().map(|v| format!("{v:02x}")).collect();
     let meta = |packed: &str| {
         format!(
@@ -137,7 +137,7 @@ fn seeds() -> Vec<(&'static str, Vec<u8>, Vec<u8>)> {
         ("raw.nrrd", nrrd("raw"), voxels.clone()),
         ("gzip.nrrd", nrrd("gzip"), gzip(&voxels)),
         ("bzip2.nrrd", nrrd("bzip2"), bz.finish().unwrap()),
-        ("text.nrrd", nrrd("ascii"), text.into_bytes()),
+        ("text.nrrd", nrrd("ascii"), text.join(" ").into_bytes()),
         ("hex.nrrd", nrrd("hex"), hex.into_bytes()),
         ("raw.mha", meta("False"), voxels.clone()),
         ("zlib.mha", meta("True"), zlib.finish().unwrap()),

@@ -169,7 +169,7 @@ fn li(counts: &[u64], start: f64) -> f64 {
     for _ in 0..100 {
         let cut = (threshold as usize + 1).clamp(1, counts.len() - 1);
         let (below, above) = (mean(0..cut), mean(cut..counts.len()));
-        if !(above > below) {
+        if above <= below {
             break;
         }
         let next = (above - below) / (above / below).ln() - 1.0;
