@@ -97,7 +97,7 @@ fn seeds() -> Vec<(&'static str, Vec<u8>, Vec<u8>)> {
         .into_bytes()
     };
     let text: Vec<String> = voxels.chunks(2).map(|v| v[0].to_string()).collect();
-    let hex: String = voxels.iter().map(|v| format!("{v:02x}")).collect();
+    let hex: Vec<String> = voxels.iter().map(|v| format!("{v:02x}")).collect();
     let meta = |packed: &str| {
         format!(
             "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n\
@@ -138,7 +138,7 @@ fn seeds() -> Vec<(&'static str, Vec<u8>, Vec<u8>)> {
         ("gzip.nrrd", nrrd("gzip"), gzip(&voxels)),
         ("bzip2.nrrd", nrrd("bzip2"), bz.finish().unwrap()),
         ("text.nrrd", nrrd("ascii"), text.join(" ").into_bytes()),
-        ("hex.nrrd", nrrd("hex"), hex.into_bytes()),
+        ("hex.nrrd", nrrd("hex"), hex.concat().into_bytes()),
         ("raw.mha", meta("False"), voxels.clone()),
         ("zlib.mha", meta("True"), zlib.finish().unwrap()),
         ("raw.nii", nifti, voxels.clone()),
@@ -301,7 +301,7 @@ fn a_header_that_declares_a_billion_voxels_over_ten_bytes_is_refused_before_memo
     let folder = tempfile::tempdir().unwrap();
     for (name, header, _) in seeds() {
         let mut huge = header;
-        if name.ends_with(".nii") {
+        if ["raw.nii", "two.nii"].contains(&name) {
             for i in 1..4 {
                 if name == "raw.nii" {
                     huge[40 + 2 * i..42 + 2 * i].copy_from_slice(&1000_i16.to_le_bytes());
@@ -309,7 +309,7 @@ fn a_header_that_declares_a_billion_voxels_over_ten_bytes_is_refused_before_memo
                     huge[16 + 8 * i..24 + 8 * i].copy_from_slice(&1000_i64.to_le_bytes());
                 }
             }
-        } else if name.ends_with(".den") {
+        } else if name == "map.den" {
             for at in [50, 52, 54] {
                 huge[at..at + 2].copy_from_slice(&1000_u16.to_le_bytes());
             }

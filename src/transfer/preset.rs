@@ -95,7 +95,7 @@ impl Preset {
 pub fn threshold(statistics: &Statistics) -> f64 {
     let [low, high] = statistics.value_range();
     if low == high {
-        return low.min(0.0).max(if low > 0.0 { 0.0 } else { low });
+        return low.min(0.0);
     }
     // Bins in the order of data values, and trimmed to those that are used.
     let mut counts: Vec<u64> = statistics.histogram.clone();
