@@ -1,7 +1,8 @@
 //! Every conformance sample decodes to what the formats' reference readers make of it.
 //!
-//! The samples lie in the folder that HOLLOWCAST_FORMATS names; without it these tests say that they were not run.
+//! The samples lie in the folder that `HOLLOWCAST_FORMATS` names; without it these tests say that they were not run.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use hollowcast::volume::{Scalar, Volume, open, read_stored};
@@ -12,7 +13,8 @@ use sha2::{Digest, Sha256};
 /// The samples' folder and what is expected of them.
 fn samples() -> Option<(PathBuf, serde_json::Map<String, Value>)> {
     let Some(folder) = std::env::var_os("HOLLOWCAST_FORMATS") else {
-        println!("not run: HOLLOWCAST_FORMATS is unset");
+        // Past the capture of passing tests' output: who reads it must know.
+        let _ = writeln!(std::io::stderr(), "not run: HOLLOWCAST_FORMATS is unset");
         return None;
     };
     let folder = PathBuf::from(folder);
@@ -90,8 +92,8 @@ fn stored_numbers_hash_to_what_the_reference_readers_return() {
     for (name, expected) in expected.iter().filter(|(_, e)| e["error"].is_null()) {
         let stored = read_stored(&folder.join(name), None).unwrap_or_else(|e| panic!("{e}"));
         let hash = Sha256::digest(&stored.bytes);
-        let hash: String = hash.iter().take(16).map(|b| format!("{b:02x}")).collect();
-        assert_eq!(hash, expected["sha256_le"], "{name}");
+        let hash: Vec<String> = hash.iter().take(16).map(|b| format!("{b:02x}")).collect();
+        assert_eq!(hash.concat(), expected["sha256_le"], "{name}");
         assert_eq!(stored.scalar.name(), expected["dtype"], "{name}");
         let shape: Vec<_> = stored
             .shape
@@ -122,8 +124,13 @@ fn volumes_have_the_shape_the_place_and_the_numbers_of_the_first_that_is_stored(
         assert_eq!(volume.dims, dims[..3], "{name}");
         let several = dims[3..].iter().product::<usize>() > 1;
         let converted = volume.voxels.voxel_type().name() != stored.scalar.name();
+        // One sample ends in a newline after its voxels.
+        let losses = volume
+            .warnings
+            .iter()
+            .filter(|w| !w.contains("1 bytes follow"));
         assert_eq!(
-            volume.warnings.len(),
+            losses.count(),
             usize::from(several) + usize::from(converted),
             "{name}: {:?}",
             volume.warnings

@@ -89,13 +89,13 @@ impl Preset {
 /// Two criteria of thresholding err to opposite sides where a small object lies in a large background: Otsu's (1979),
 /// which assumes alike spreads, cuts into the object; Li and Lee's minimum cross entropy (1993) into the noise. Their
 /// geometric mean is taken, and raised to the foot of the last large peak of the background (air, fat or packing
-/// around the object), which is where the histogram lies farthest below the line from that peak to its end.
+/// around the object), which is where the histogram lies farthest below the line from that peak down to its end.
 ///
 /// A volume of one value is background if the value is not above 0.
 pub fn threshold(statistics: &Statistics) -> f64 {
     let [low, high] = statistics.value_range();
     if low == high {
-        return low.min(0.0).max(if low > 0.0 { 0.0 } else { low });
+        return low.min(0.0);
     }
     // Bins in the order of data values, and trimmed to those that are used.
     let mut counts: Vec<u64> = statistics.histogram.clone();
@@ -151,6 +151,11 @@ fn otsu(counts: &[u64]) -> f64 {
     f64::from(best.1 as u32 + best.2 as u32) * 0.5
 }
 
+/// The same of all bins but the lowest.
+fn otsu_of_rest(counts: &[u64]) -> f64 {
+    1.0 + otsu(&counts[1..])
+}
+
 /// Li and Lee's threshold by their fixed-point iteration (Li and Tam 1998), from `start`; bins count from 1.
 fn li(counts: &[u64], start: f64) -> f64 {
     let mean = |bins: std::ops::Range<usize>| {
@@ -164,7 +169,7 @@ fn li(counts: &[u64], start: f64) -> f64 {
     for _ in 0..100 {
         let cut = (threshold as usize + 1).clamp(1, counts.len() - 1);
         let (below, above) = (mean(0..cut), mean(cut..counts.len()));
-        if !(above > below) {
+        if above <= below {
             break;
         }
         let next = (above - below) / (above / below).ln() - 1.0;
@@ -176,12 +181,19 @@ fn li(counts: &[u64], start: f64) -> f64 {
     threshold.max(0.0)
 }
 
-/// The last peak below Otsu's threshold that is not the lowest bin and holds, down to half its height, a tenth of what
-/// lies above the lowest bin.
+/// The last peak of the background but for its lowest bin: one that holds, over the bins around it from half its height to
+/// all of it, a tenth of what lies
+/// above the lowest bin, and lies below Otsu's threshold. Where the lowest bin is a spike (air cut off to one number),
+/// that threshold parts the spike from the noise; then a peak of the dimmer half counts that lies below Otsu's
+/// threshold of the rest and outweighs all that is brighter two to one.
 fn background_peak(counts: &[u64], otsu: f64) -> Option<usize> {
     let above_lowest: u64 = counts[1..].iter().sum();
+    if counts.len() < 3 {
+        return None;
+    }
     // Otsu's threshold cuts a peak anywhere: one bin of slack, for data of few values.
-    let end = (otsu as usize + 2).min(counts.len());
+    let end = |threshold: f64| (threshold as usize + 2).min(counts.len());
+    let (sure, end) = (end(otsu), end(otsu_of_rest(counts).max(otsu)));
     // Combs, as rescaled integers make them, are smoothed away.
     let reach = counts.len() / 64;
     let smooth: Vec<f64> = (0..counts.len())
@@ -197,24 +209,28 @@ fn background_peak(counts: &[u64], otsu: f64) -> Option<usize> {
         if higher(smooth.get(i - 1)) || higher(smooth.get(i + 1)) {
             return false;
         }
-        let half = smooth[i] * 0.5;
-        let from = (1..i).rev().take_while(|&j| smooth[j] >= half).count();
-        let to = (i..counts.len()).take_while(|&j| smooth[j] >= half).count();
-        // Falling all the way from the lowest bin is no peak of its own.
-        let rises = i - from > 1 || smooth[i - from] < smooth[i];
+        let part = |&j: &usize| (smooth[i] * 0.5..=smooth[i]).contains(&smooth[j]);
+        let from = (1..i).rev().take_while(part).count();
+        let to = (i..counts.len()).take_while(part).count();
+        // A valley before it makes a peak; ripples on the lowest bin's long tail do not.
+        let valley = smooth[i - from..=i]
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min);
+        let rises = valley < 0.9 * smooth[i];
         let mass: u64 = counts[i - from..i + to].iter().sum();
-        rises && mass * 10 >= above_lowest
+        let brighter: u64 = counts[i + to..].iter().sum();
+        let background = i < sure || (i * 2 < counts.len() && mass > 2 * brighter);
+        rises && background && mass * 10 >= above_lowest
     })
 }
 
-/// The bin after `peak` that lies farthest below the straight line from the peak to the last bin (Zack et al. 1977).
+/// The bin after `peak` that lies farthest below the straight line from the peak to 0 at the end (after Zack et al.
+/// 1977, whose line ends on the last bin: where values were cut off to it, that is a spike).
 fn foot(counts: &[u64], peak: usize) -> usize {
     let last = counts.len() - 1;
-    let (top, end) = (counts[peak] as f64, counts[last] as f64);
-    let below = |i: usize| {
-        let line = top + (end - top) * (i - peak) as f64 / (last - peak).max(1) as f64;
-        line - counts[i] as f64
-    };
+    let top = counts[peak] as f64;
+    let below = |i: usize| top * (last - i) as f64 / (last - peak).max(1) as f64 - counts[i] as f64;
     (peak..=last)
         .max_by(|&a, &b| below(a).total_cmp(&below(b)))
         .unwrap_or(peak)
@@ -301,6 +317,20 @@ mod tests {
                     .unwrap();
                 assert_eq!(tf.at(f64::from(value)).1 > 0.0, visible, "{}", preset.name);
             }
+        }
+    }
+
+    #[test]
+    fn no_material_of_a_phantom_is_taken_for_background() {
+        for (name, least) in [
+            ("sphere", 200.0),
+            ("shells", 160.0),
+            ("pot", 200.0),
+            ("slab", 100.0),
+        ] {
+            let statistics = Statistics::of(&phantom::make(name, [48; 3]).unwrap());
+            let at = threshold(&statistics);
+            assert!(at < least, "{name}: {at}");
         }
     }
 

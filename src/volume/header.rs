@@ -152,7 +152,7 @@ impl Header {
             .sizes
             .iter()
             .try_fold(1_u64, |n, &s| n.checked_mul(s))
-            .filter(|n| n.checked_mul(8).is_some_and(|b| b <= isize::MAX as u64));
+            .filter(|n| n.checked_mul(8).is_some_and(|b| isize::try_from(b).is_ok()));
         let Some(all) = all else {
             return bad("the product of the sizes exceeds what a machine can address".into());
         };
@@ -226,28 +226,31 @@ impl Header {
         Ok(voxels)
     }
 
+    fn little_endian<T: Element>(&self, n: usize) -> Result<Vec<u8>> {
+        let mut numbers = self.payload.read::<T>(n, self.endian, true)?;
+        if Endian::NATIVE == Endian::Big {
+            for number in &mut numbers {
+                *number = number.swapped();
+            }
+        }
+        Ok(bytemuck::cast_slice(&numbers).to_vec())
+    }
+
     /// All numbers of the file as they are stored.
     pub(super) fn into_stored(self) -> Result<Stored> {
         let (_, all, _) = self.counts()?;
         let shape = self.sizes.iter().map(|&s| s as usize).collect();
-        fn bytes<T: Element>(header: &Header, n: usize) -> Result<Vec<u8>> {
-            let mut numbers = header.payload.read::<T>(n, header.endian, true)?;
-            if Endian::NATIVE == Endian::Big {
-                numbers.iter_mut().for_each(|v| *v = v.swapped());
-            }
-            Ok(bytemuck::cast_slice(&numbers).to_vec())
-        }
         let bytes = match self.scalar {
             Scalar::U8 => self.payload.read(all, self.endian, true)?,
-            Scalar::I8 => bytes::<i8>(&self, all)?,
-            Scalar::U16 | Scalar::F16 => bytes::<u16>(&self, all)?,
-            Scalar::I16 => bytes::<i16>(&self, all)?,
-            Scalar::U32 => bytes::<u32>(&self, all)?,
-            Scalar::I32 => bytes::<i32>(&self, all)?,
-            Scalar::U64 => bytes::<u64>(&self, all)?,
-            Scalar::I64 => bytes::<i64>(&self, all)?,
-            Scalar::F32 => bytes::<f32>(&self, all)?,
-            Scalar::F64 => bytes::<f64>(&self, all)?,
+            Scalar::I8 => self.little_endian::<i8>(all)?,
+            Scalar::U16 | Scalar::F16 => self.little_endian::<u16>(all)?,
+            Scalar::I16 => self.little_endian::<i16>(all)?,
+            Scalar::U32 => self.little_endian::<u32>(all)?,
+            Scalar::I32 => self.little_endian::<i32>(all)?,
+            Scalar::U64 => self.little_endian::<u64>(all)?,
+            Scalar::I64 => self.little_endian::<i64>(all)?,
+            Scalar::F32 => self.little_endian::<f32>(all)?,
+            Scalar::F64 => self.little_endian::<f64>(all)?,
         };
         Ok(Stored {
             shape,

@@ -1,4 +1,4 @@
-//! MetaImage (.mha, .mhd), the format of ITK's MetaIO.
+//! `MetaImage` (.mha, .mhd), the format of ITK's `MetaIO`.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -24,7 +24,7 @@ const FIRST_KEYS: &[&str] = &[
     "ID",
 ];
 
-/// Whether a file that starts so is a MetaImage: there is no magic number, only a first key of this format.
+/// Whether a file that starts so is a `MetaImage`: there is no magic number, only a first key of this format.
 pub(super) fn is_metaimage(head: &[u8]) -> bool {
     let line = head.split(|&b| b == b'\n').next().unwrap_or_default();
     std::str::from_utf8(line)
@@ -35,14 +35,14 @@ pub(super) fn is_metaimage(head: &[u8]) -> bool {
 
 struct Fields<'a> {
     path: &'a Path,
-    fields: HashMap<String, String>,
+    values: HashMap<String, String>,
     end: u64,
 }
 
 impl Fields<'_> {
     fn read(path: &Path) -> Result<Fields<'_>> {
         let head = read_head(path, MAX_HEADER_BYTES)?;
-        let mut fields = HashMap::new();
+        let mut values = HashMap::new();
         let mut end = 0;
         for (i, line) in head.split_inclusive(|&b| b == b'\n').enumerate() {
             end += line.len() as u64;
@@ -57,13 +57,13 @@ impl Fields<'_> {
                     "is not of the form key = value",
                 )
             })?;
-            fields.insert(key.trim().to_owned(), value.trim().to_owned());
+            values.insert(key.trim().to_owned(), value.trim().to_owned());
             // By definition the last line of the header.
             if key.trim() == "ElementDataFile" {
                 break;
             }
         }
-        Ok(Fields { path, fields, end })
+        Ok(Fields { path, values, end })
     }
 
     fn error(&self, field: &str, reason: impl Into<String>) -> Error {
@@ -73,7 +73,7 @@ impl Fields<'_> {
     /// The first of these keys that is there, and its value.
     fn any<'k>(&self, keys: &[&'k str]) -> Option<(&'k str, &str)> {
         keys.iter()
-            .find_map(|key| self.fields.get(*key).map(|v| (*key, v.as_str())))
+            .find_map(|key| self.values.get(*key).map(|v| (*key, v.as_str())))
     }
 
     fn required(&self, field: &str) -> Result<&str> {
@@ -118,7 +118,7 @@ impl Fields<'_> {
     }
 }
 
-/// The sizes are those that MetaIO writes: `MET_LONG` has four bytes there.
+/// The sizes are those that `MetaIO` writes: `MET_LONG` has four bytes there.
 fn scalar(name: &str) -> Option<Scalar> {
     Some(match name {
         "MET_UCHAR" => Scalar::U8,

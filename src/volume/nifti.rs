@@ -49,7 +49,7 @@ fn unpacked_head(path: &Path) -> Result<Vec<u8>> {
 }
 
 impl<'a> Fields<'a> {
-    /// `None` where the file has no NIfTI header.
+    /// `None` where the file has no `NIfTI` header.
     fn read(path: &'a Path) -> Result<Option<Self>> {
         let bytes = unpacked_head(path)?;
         let Some(&size) = bytes.first_chunk::<4>() else {
@@ -72,10 +72,10 @@ impl<'a> Fields<'a> {
             };
             return Ok(Some(Self {
                 path,
+                bytes,
                 endian,
                 version,
                 single,
-                bytes,
             }));
         }
         Ok(None)
@@ -129,7 +129,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// Whether the file has a NIfTI header that can be read.
+/// Whether the file has a `NIfTI` header that can be read.
 pub(super) fn is_nifti(path: &Path) -> bool {
     Fields::read(path).is_ok_and(|fields| fields.is_some())
 }

@@ -27,7 +27,7 @@ pub(super) fn is_nrrd(head: &[u8]) -> bool {
 struct Fields<'a> {
     path: &'a Path,
     /// `field: value`, names in lower case.
-    fields: HashMap<String, String>,
+    values: HashMap<String, String>,
     /// `key:=value`.
     keys: HashMap<String, String>,
     /// Offset of the first byte after the header.
@@ -37,7 +37,7 @@ struct Fields<'a> {
 impl Fields<'_> {
     fn read(path: &Path) -> Result<Fields<'_>> {
         let head = read_head(path, MAX_HEADER_BYTES)?;
-        let mut fields = HashMap::new();
+        let mut values = HashMap::new();
         let mut keys = HashMap::new();
         let mut end = 0;
         for (i, line) in head.split_inclusive(|&b| b == b'\n').enumerate() {
@@ -54,7 +54,7 @@ impl Fields<'_> {
             let separator = line.find(':').map(|at| (at, line[at..].starts_with(":=")));
             match separator {
                 Some((at, true)) => keys.insert(line[..at].into(), line[at + 2..].trim().into()),
-                Some((at, false)) => fields.insert(
+                Some((at, false)) => values.insert(
                     line[..at].trim().to_ascii_lowercase(),
                     line[at + 1..].trim().into(),
                 ),
@@ -69,7 +69,7 @@ impl Fields<'_> {
         }
         Ok(Fields {
             path,
-            fields,
+            values,
             keys,
             end,
         })
@@ -81,9 +81,9 @@ impl Fields<'_> {
 
     /// A field's value, under its name with or without the space.
     fn get(&self, field: &str) -> Option<&str> {
-        self.fields
+        self.values
             .get(field)
-            .or_else(|| self.fields.get(&field.replace(' ', "")))
+            .or_else(|| self.values.get(&field.replace(' ', "")))
             .map(String::as_str)
     }
 

@@ -95,7 +95,7 @@ fn header(volume: &Volume, packing: Packing) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::volume::{Store, Voxels, open, phantom};
+    use crate::volume::{Voxels, open, phantom};
     use glam::{DMat3, DVec3};
 
     #[test]
@@ -104,13 +104,12 @@ mod tests {
         let path = folder.path().join("volume.nrrd");
         let noise = phantom::make("noise", [7, 5, 3]).unwrap();
         let bytes = noise.voxels.as_bytes().to_vec();
-        let cast = |b: &u8| *b;
         for voxels in [
             Voxels::U8(bytes.clone().into()),
             Voxels::I8(
                 bytes
                     .iter()
-                    .map(|b| cast(b) as i8)
+                    .map(|b| b.cast_signed())
                     .collect::<Vec<_>>()
                     .into(),
             ),
@@ -189,6 +188,5 @@ mod tests {
         assert!(write_nrrd(&volume, &path, Packing::Raw).is_err());
         assert_eq!(std::fs::read_to_string(path.join("kept")).unwrap(), "x");
         assert_eq!(folder.path().read_dir().unwrap().count(), 1);
-        let _: Store<u8> = vec![0].into();
     }
 }

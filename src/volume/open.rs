@@ -7,7 +7,7 @@ use super::payload::{open_file, read_head};
 use super::{RawLayout, Volume, metaimage, nifti, nrrd, phantom, raw};
 use crate::error::Result;
 
-/// Opens a volume file: NRRD, MetaImage, NIfTI-1 or -2, `VolPack` .den, or raw voxels.
+/// Opens a volume file: NRRD, `MetaImage`, NIfTI-1 or -2, `VolPack` .den, or raw voxels.
 ///
 /// With `raw` the file is taken as raw voxels of that layout, whatever it looks like. Of files with more than three
 /// dimensions the first volume is taken, and missing dimensions are 1.

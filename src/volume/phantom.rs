@@ -319,7 +319,7 @@ mod tests {
 
     #[test]
     fn smooth_walls_are_steep_but_not_sharp() {
-        // The middle row of a sphere crosses two walls; next voxels differ by no more than 1 / 1.5 of the material.
+        // The middle row of a sphere crosses two walls; next voxels differ by no more than 1 / 1.5 of the material (240).
         for name in ["sphere", "shells", "pot", "capsules", "gyroid"] {
             let bytes = data(name, [64; 3]);
             let steepest = bytes
@@ -327,7 +327,7 @@ mod tests {
                 .flat_map(|line| line.windows(2).map(|w| w[0].abs_diff(w[1])))
                 .max()
                 .unwrap();
-            assert!((100..=150).contains(&steepest), "{name}: {steepest}");
+            assert!((100..=160).contains(&steepest), "{name}: {steepest}");
         }
     }
 

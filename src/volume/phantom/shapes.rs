@@ -73,8 +73,9 @@ pub(super) fn pot() -> impl Solid {
         let outer = (p - body).length() - 0.56;
         let inner = (p - body).length() - (0.56 - WALL);
         let (foot, tip) = (DVec3::new(0.42, 0.0, -0.2), DVec3::new(0.84, 0.0, 0.3));
-        let spout = capsule(p, foot, tip, 0.13);
-        // The bore goes on past the tip, so that it is open.
+        // Cut off square at the tip, where the bore goes on: open.
+        let beyond_tip = (p - tip).dot((tip - foot).normalize());
+        let spout = capsule(p, foot, tip, 0.13).max(beyond_tip);
         let bore = capsule(p, foot, tip + (tip - foot) * 0.5, 0.13 - WALL);
         let handle = ring(p, DVec3::new(-0.6, 0.0, -0.05), 0.27, 0.055);
         let opening = (DVec2::new(p.x, p.y).length() - 0.24).max(-p.z);
