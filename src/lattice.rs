@@ -39,6 +39,8 @@ pub trait Real:
     fn abs(self) -> Self;
     /// `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
+    /// `self <= other`.
+    fn le(self, other: Self) -> Self::Mask;
     /// `yes` where `mask` holds, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
@@ -84,6 +86,10 @@ macro_rules! scalar_real {
                 self < other
             }
             #[inline(always)]
+            fn le(self, other: Self) -> bool {
+                self <= other
+            }
+            #[inline(always)]
             fn select(mask: bool, yes: Self, no: Self) -> Self {
                 if mask { yes } else { no }
             }
@@ -98,6 +104,11 @@ scalar_real!(f64);
 ///
 /// A unit direction this flat moves less than 2^-20 voxel across any box; without the cut its crossings overflow f32.
 pub const PARALLEL: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// A sample this near to the near plane or the box's exit, in steps, counts as inside at the one and outside at the
+/// other. Eyes at voxel centres and steps of half a voxel put samples exactly there, and then rounding would decide
+/// otherwise in f32 than in f64; this moves the decision to where nobody puts an eye.
+pub const EDGE: f64 = 1.0 / 1024.0;
 
 /// The most samples one ray may have: indices stay exact in f32.
 pub const MAX_SAMPLES_PER_RAY: f64 = (1u64 << 24) as f64;
@@ -198,7 +209,6 @@ impl<R: Real> RayBasis<R> {
     pub fn ray(&self, x: R, y: R) -> Ray<R> {
         let zero = R::splat(0.0);
         let one = R::splat(1.0);
-        let half = R::splat(0.5);
         let far = R::splat(1e30);
         let px = x - self.centre[0];
         let py = y - self.centre[1];
@@ -232,8 +242,11 @@ impl<R: Real> RayBasis<R> {
         let missed = t_out.lt(t_in);
         let t_box = R::select(missed, zero, t_in);
         let length = R::select(missed, zero, t_out - t_in);
-        let k_near = ((zero - t_box) / self.step - half).ceil().max(zero);
-        let k_end = (length / self.step - half).ceil().max(zero);
+        let half_and_edge = R::splat(0.5 + EDGE);
+        let k_near = ((zero - t_box) / self.step - half_and_edge)
+            .ceil()
+            .max(zero);
+        let k_end = (length / self.step - half_and_edge).ceil().max(zero);
         let mut entry = [zero; 3];
         let mut delta = [zero; 3];
         for a in 0..3 {

@@ -4,9 +4,14 @@
 pub mod camera;
 pub mod cpu;
 pub mod error;
+pub mod gpu;
 pub mod lattice;
+pub mod measure;
 pub mod mode;
 pub mod octree;
+pub mod output;
+pub mod reference;
+pub mod render;
 pub mod sample;
 pub mod scene;
 pub mod skip;

@@ -1,3 +1,7 @@
-//! The hollowcast command.
+//! The hollowcast command: parses, calls the library, prints.
 
-fn main() {}
+mod cli;
+
+fn main() -> std::process::ExitCode {
+    cli::main()
+}

@@ -1,5 +1,9 @@
 //! What one picture is made of, whoever makes it, and what comes back.
 
+use std::ops::AddAssign;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use crate::error::{Error, Result};
 use crate::lattice::RayFrame;
 use crate::mode::Mode;
 use crate::sample::Sampler;
@@ -21,6 +25,66 @@ pub struct Scene<'a> {
     pub mode: Mode,
     /// Accumulated opacity at which a ray stops; 1 or more: never.
     pub ert: f32,
+}
+
+impl Scene<'_> {
+    /// The accumulated opacity at which a ray stops; infinite where it never does.
+    pub fn ert_threshold(&self) -> f64 {
+        if self.ert >= 1.0 {
+            f64::INFINITY
+        } else {
+            f64::from(self.ert)
+        }
+    }
+}
+
+/// How far a picture on the CPU has come, and the way to stop it: shared between the one who draws and the one who
+/// waits.
+#[derive(Debug, Default)]
+pub struct Progress {
+    rows: AtomicU32,
+    cancelled: AtomicBool,
+}
+
+impl Progress {
+    /// Rows of pixels that are finished.
+    pub fn rows_done(&self) -> u32 {
+        self.rows.load(Ordering::Relaxed)
+    }
+
+    /// Asks to stop at the next row.
+    pub fn cancel(&self) {
+        self.cancelled.store(true, Ordering::Relaxed);
+    }
+
+    /// The flag that [`Self::cancel`] sets.
+    pub fn cancelled(&self) -> &AtomicBool {
+        &self.cancelled
+    }
+
+    /// Whether someone asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Starts over, for the next picture.
+    pub fn restart(&self) {
+        self.rows.store(0, Ordering::Relaxed);
+        self.cancelled.store(false, Ordering::Relaxed);
+    }
+
+    /// Counts a row as finished.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] where someone asked to stop.
+    pub fn finish_row(&self) -> Result<()> {
+        self.rows.fetch_add(1, Ordering::Relaxed);
+        if self.is_cancelled() {
+            Err(Error::Cancelled)
+        } else {
+            Ok(())
+        }
+    }
 }
 
 /// A picture: linear red, green, blue premultiplied by opacity, and opacity; row by row from the top left.
@@ -71,6 +135,14 @@ pub struct Counters {
     pub contributing: u64,
     /// Segments asked for, or steps of a traversal between samples.
     pub skip_steps: u64,
+}
+
+impl AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.samples += other.samples;
+        self.contributing += other.contributing;
+        self.skip_steps += other.skip_steps;
+    }
 }
 
 /// A picture with the work that each pixel took.

@@ -1,6 +1,9 @@
 //! Transfer functions: from data values to colour and opacity, and the tables baked from them.
 
+mod parse;
 mod preset;
+
+pub use preset::{PRESETS, Preset, threshold};
 
 use std::ops::RangeInclusive;
 
@@ -119,15 +122,20 @@ pub fn opacity_per_step(opacity: f64, ratio: f64) -> f64 {
     }
 }
 
-/// How data values map to a table: entry i lies at `x = i`, `x = scale * stored + offset`.
+/// How data values map to a table: entry i lies at `x = i`, `x = (stored - origin) * scale`.
+///
+/// The origin is subtracted first: f32 data far from zero keep what precision they have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Domain {
     /// Number of entries N: 256, 4,096 or 65,536.
     pub entries: usize,
     /// Table coordinate per stored unit.
     pub scale: f64,
-    /// Table coordinate of stored zero.
-    pub offset: f64,
+    /// Stored number at table coordinate 0.
+    pub origin: f64,
+    /// Table coordinates that the voxel type's whole range spans, or the table's own where that is more: what rounding
+    /// is relative to.
+    span: f64,
     rescale: Rescale,
 }
 
@@ -152,40 +160,42 @@ impl Domain {
         let last = (entries - 1) as f64;
         let integers = volume.voxels.voxel_type().integer_range();
         let one_to_one = integers.filter(|r| r[1] - r[0] <= last);
-        let (scale, offset) = match (one_to_one, integers) {
-            (Some(range), _) => (1.0, -range[0]),
+        let (scale, origin) = match (one_to_one, integers) {
+            (Some(range), _) => (1.0, range[0]),
             // Integer data whose range fits the table keep one entry per value too.
-            (None, Some(_)) if stored_range[1] - stored_range[0] <= last => (1.0, -stored_range[0]),
+            (None, Some(_)) if stored_range[1] - stored_range[0] <= last => (1.0, stored_range[0]),
             _ if stored_range[1] > stored_range[0] => {
-                let scale = last / (stored_range[1] - stored_range[0]);
-                (scale, -stored_range[0] * scale)
+                (last / (stored_range[1] - stored_range[0]), stored_range[0])
             }
-            _ => (1.0, -stored_range[0]),
+            _ => (1.0, stored_range[0]),
         };
         Ok(Self {
             entries,
             scale,
-            offset,
+            origin,
+            span: integers
+                .map_or(0.0, |r| (r[1] - r[0] + 1.0) * scale)
+                .max(entries as f64),
             rescale: volume.rescale,
         })
     }
 
     /// Table coordinate of a stored number (not clamped).
     pub fn x_from_stored(&self, stored: f64) -> f64 {
-        stored * self.scale + self.offset
+        (stored - self.origin) * self.scale
     }
 
     /// Data value at a table coordinate.
     pub fn value_from_x(&self, x: f64) -> f64 {
-        self.rescale
-            .value_from_stored((x - self.offset) / self.scale)
+        self.rescale.value_from_stored(x / self.scale + self.origin)
     }
 
-    /// How near to an entry a table coordinate counts as on it, in shaders and in [`lookup`]: N * 2^-22.
+    /// How near to an entry a table coordinate counts as on it, in shaders and in [`lookup`]: 2^-22 of what the table,
+    /// or the voxel type if that is more, spans.
     ///
     /// Unorm conversion and interpolation round; a background exactly at the threshold must not touch the next entry.
     pub fn snap(&self) -> f64 {
-        self.entries as f64 / f64::from(1 << 22)
+        self.span / f64::from(1 << 22)
     }
 }
 
@@ -231,17 +241,28 @@ impl Table {
         // Half the shaders' tolerance: what they snap to an entry, this does not push beyond it, and the other way round
         // it only ever counts one entry too many.
         let half_snap = self.domain.snap() * 0.5;
-        let snapped = |x: f64| {
-            if (x - x.round()).abs() <= half_snap {
-                x.round()
+        // Culling asks this of every block. Conversion truncates, which is floor from 0 on, and costs no call as
+        // `f64::floor` does where the target's baseline has no instruction for it.
+        let entries = |x: f64| {
+            let x = x.clamp(0.0, last);
+            let lower = x as usize;
+            let above = x - lower as f64;
+            if above <= half_snap {
+                (lower, lower)
+            } else if 1.0 - above <= half_snap {
+                (lower + 1, lower + 1)
             } else {
-                x
+                (lower, lower + 1)
             }
-            .clamp(0.0, last)
         };
-        let first = snapped(*range.start()).floor() as usize;
-        let end = (snapped(*range.end()).ceil() as usize + 1).min(n);
+        let first = entries(*range.start()).0;
+        let end = entries(*range.end()).1 + 1;
         self.visible_before[end] != self.visible_before[first]
+    }
+
+    /// Whether the same entries are visible as in `other`: then what was culled for one holds for both.
+    pub fn shows_the_same_as(&self, other: &Self) -> bool {
+        self.domain == other.domain && self.visible_before == other.visible_before
     }
 
     /// Largest opacity of one step.

@@ -93,6 +93,11 @@ impl Real for Wide {
         unsafe { _mm256_cmp_ps::<_CMP_LT_OQ>(self.0, other.0) }
     }
     #[inline(always)]
+    fn le(self, other: Self) -> __m256 {
+        // SAFETY: instruction set, see above.
+        unsafe { _mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0) }
+    }
+    #[inline(always)]
     fn select(mask: __m256, yes: Self, no: Self) -> Self {
         // SAFETY: instruction set, see above.
         Self(unsafe { _mm256_blendv_ps(no.0, yes.0, mask) })

@@ -48,6 +48,11 @@ impl Path {
     /// All paths, the fastest first.
     pub const ALL: &[Self] = &[Self::Avx2, Self::Scalar];
 
+    /// The fastest path that this processor has.
+    pub fn best() -> Self {
+        if has_avx2() { Self::Avx2 } else { Self::Scalar }
+    }
+
     /// The name used by reports.
     pub fn name(self) -> &'static str {
         match self {
@@ -285,7 +290,7 @@ fn draw_typed<V: Voxel, O: Pixel>(
         },
         frame: scene.frame,
         rows: &rows,
-        base: -domain.offset / domain.scale,
+        base: domain.origin,
         scale: domain.scale,
         snap: domain.snap(),
         // Without a background every table coordinate lies outside.

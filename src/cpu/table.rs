@@ -78,7 +78,7 @@ impl Background {
     /// The smallest and largest voxel of the run; `None` where no voxel can be.
     pub(super) fn voxels<V: Voxel>(&self, table: &Table) -> Option<[V; 2]> {
         let domain = table.domain();
-        let [low, high] = self.x().map(|x| (x - domain.offset) / domain.scale);
+        let [low, high] = self.x().map(|x| x / domain.scale + domain.origin);
         V::interval(low, high)
     }
 

@@ -28,10 +28,9 @@ impl<R: Real> State<R> {
         }
     }
 
-    /// Where the accumulated opacity has reached `threshold`, the rest of the ray is left out.
+    /// Where the accumulated opacity has reached `threshold`, the rest of the ray is left out. Infinity: never.
     #[inline(always)]
     pub fn done(&self, threshold: R) -> R::Mask {
-        // `A >= threshold`, written as "not below" would be the same for the finite numbers that occur.
-        (threshold - self.rgba[3]).lt(R::splat(f64::from(f32::MIN_POSITIVE)))
+        threshold.le(self.rgba[3])
     }
 }

@@ -27,6 +27,13 @@ impl Mode {
         }
     }
 
+    /// The name of its WGSL twin.
+    pub fn shader(self) -> &'static str {
+        match self {
+            Self::EmissionAbsorption => "emission_absorption",
+        }
+    }
+
     /// Whether a block whose samples have table coordinates in `range` can contribute to any picture in this mode.
     ///
     /// `false` must mean that every sample of the block contributes exactly nothing.

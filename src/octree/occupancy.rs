@@ -53,9 +53,21 @@ impl Occupancy {
         &mut self.words[at..at + self.words_per_row]
     }
 
+    /// The bits of layers of blocks along z, all rows of them, to write. Bits past `dims[0]` must stay 0.
+    pub(super) fn layers_mut(&mut self, layers: Range<usize>) -> &mut [u64] {
+        let layer = self.words_per_row * self.dims[1];
+        &mut self.words[layers.start * layer..layers.end * layer]
+    }
+
     /// Number of active blocks.
     pub fn count(&self) -> usize {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
+    }
+
+    /// The block on `axis` that the volume is cut at: of the block boundaries, the one nearest the middle of the volume
+    /// (the upper of two). A volume of one block has an empty half.
+    pub fn half_cut(&self, axis: usize) -> usize {
+        half_cut(self.volume_dims[axis], self.block)
     }
 
     /// The whole grid as a region of blocks.
@@ -72,4 +84,9 @@ impl Occupancy {
     pub fn words_per_row(&self) -> usize {
         self.words_per_row
     }
+}
+
+/// See [`Occupancy::half_cut`].
+pub(super) fn half_cut(voxels: usize, block: usize) -> usize {
+    (voxels + block) / (2 * block)
 }

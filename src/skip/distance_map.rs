@@ -104,7 +104,11 @@ impl DistanceMap {
 
     /// The segments of one ray.
     pub fn segments(&self, ray: Ray<f64>) -> impl Segments + '_ {
-        RaySegments { map: self, ray }
+        RaySegments {
+            map: self,
+            ray,
+            steps: 0,
+        }
     }
 }
 
@@ -151,6 +155,8 @@ fn nearest_rows<'a>(out: &mut [u8], i: usize, n: usize, row: impl Fn(usize) -> &
 struct RaySegments<'a> {
     map: &'a DistanceMap,
     ray: Ray<f64>,
+    /// Leaps, and segments given.
+    steps: u32,
 }
 
 impl Segments for RaySegments<'_> {
@@ -165,12 +171,19 @@ impl Segments for RaySegments<'_> {
                 first.get_or_insert(k as u32);
                 k += 1.0;
             } else if let Some(first) = first {
+                self.steps += 1;
                 return Some(first..k as u32);
             } else {
+                self.steps += 1;
                 k += self.map.leap(&self.ray, at, block, f64::from(distance));
             }
         }
+        self.steps += u32::from(first.is_some());
         first.map(|first| first..self.ray.k_end as u32)
+    }
+
+    fn steps(&self) -> u32 {
+        self.steps
     }
 }
 

@@ -4,12 +4,28 @@
 //! whose contribution is exactly zero (unless its row says lossy), so that the picture is bit-identical to [`Skip::Box`].
 
 pub mod beam_masks;
+mod bounding_box;
 pub mod distance_map;
+mod half_split;
+mod hull;
+#[cfg(test)]
+mod tests;
+mod traversal;
+
+pub use half_split::HalfSplit;
+pub use hull::Hull;
 
 #[cfg(test)]
 mod support;
 
 use std::ops::Range;
+
+use glam::DVec3;
+
+use crate::error::{Error, Result};
+use crate::lattice::{Ray, Real};
+use crate::octree::Occupancy;
+use traversal::Line;
 
 /// The choice of skipping method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -35,6 +51,8 @@ pub struct Method {
     pub name: &'static str,
     /// Whether pictures are bit-identical to those of [`Skip::Box`].
     pub lossless: bool,
+    /// The backends that have it.
+    pub backends: &'static [&'static str],
     /// The most segments a ray can have where they are known before the march.
     pub max_segments: usize,
     /// One line for help texts.
@@ -51,6 +69,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::Box,
         name: "box",
         lossless: true,
+        backends: &["gpu", "cpu", "reference"],
         max_segments: 1,
         summary: "every sample inside the bounding box",
         origin: "Krüger & Westermann 2003",
@@ -60,6 +79,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::Hull,
         name: "hull",
         lossless: true,
+        backends: &["gpu", "cpu", "reference"],
         max_segments: 1,
         summary: "from the first to the last active block",
         origin: "Hadwiger, Scharsach et al. 2005-2008",
@@ -69,6 +89,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::HalfSplit,
         name: "half-split",
         lossless: true,
+        backends: &["gpu", "cpu", "reference"],
         max_segments: 2,
         summary: "the hull of each half, cut across the view axis",
         origin: "Yu et al. 2016",
@@ -78,6 +99,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::BeamMasks,
         name: "beam-masks",
         lossless: true,
+        backends: &["cpu"],
         max_segments: usize::MAX,
         summary: "runs of active layers along the view axis, one mask per tile of pixels",
         origin: "this project",
@@ -87,6 +109,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::DistanceMap,
         name: "distance-map",
         lossless: true,
+        backends: &["cpu"],
         max_segments: usize::MAX,
         summary: "leaps of the Chebyshev distance to the nearest active block",
         origin: "Sramek & Kaufman 2000; Deakin & Knoll 2019",
@@ -106,10 +129,85 @@ impl Skip {
             .expect("every method has a row")
     }
 
+    /// Checks that a backend has this method.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] that names the backends that do.
+    pub fn check_backend(self, backend: &str) -> Result<()> {
+        let Method { name, backends, .. } = self.method();
+        if backends.contains(&backend) {
+            return Ok(());
+        }
+        let reason = format!(
+            "the {backend} backend does not have {name}; {} has",
+            backends.join(", ")
+        );
+        Err(Error::setting("method", reason))
+    }
+
     /// The method of this name.
     pub fn from_name(name: &str) -> Option<Self> {
         METHODS.iter().find(|m| m.name == name).map(|m| m.skip)
     }
+}
+
+/// A method made ready for one picture: which blocks count as active, where the cut lies.
+#[derive(Debug, Clone, Copy)]
+pub enum Plan<'a> {
+    /// [`Skip::Box`].
+    Box,
+    /// [`Skip::Hull`].
+    Hull(Hull<'a>),
+    /// [`Skip::HalfSplit`].
+    HalfSplit(HalfSplit<'a>),
+}
+
+impl<'a> Plan<'a> {
+    /// The method `skip` over these blocks for a camera that looks along `forward`; half-split cuts in the middle.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for methods that have no segments of a single ray: only the backends named in it have them.
+    pub fn new(skip: Skip, occupancy: &'a Occupancy, forward: DVec3) -> Result<Self> {
+        match skip {
+            Skip::Box => Ok(Self::Box),
+            Skip::Hull => Ok(Self::Hull(Hull { occupancy })),
+            Skip::HalfSplit => {
+                let axis = half_axis(forward);
+                let cut = occupancy.half_cut(axis);
+                Ok(Self::HalfSplit(HalfSplit {
+                    occupancy,
+                    axis,
+                    cut,
+                }))
+            }
+            Skip::BeamMasks | Skip::DistanceMap => Err(Error::setting(
+                "method",
+                format!("{} has no segments of a single ray", skip.method().name),
+            )),
+        }
+    }
+
+    /// The segments of a ray, whatever numbers it was computed in.
+    ///
+    /// A sample is left out only where its position, as [`Ray::at`] rounds it, lies less than half a voxel outside an
+    /// inactive block: the closed support of that block still holds all voxels that it touches.
+    pub fn segments<R: Real + Into<f64>>(&self, ray: &Ray<R>) -> impl Segments + use<R> {
+        let Some(line) = Line::new(ray) else {
+            return Listed::default();
+        };
+        match self {
+            Self::Box => bounding_box::segments(&line),
+            Self::Hull(hull) => hull.segments(&line),
+            Self::HalfSplit(half_split) => half_split.segments(&line),
+        }
+    }
+}
+
+/// The axis that half-split cuts across for a camera that looks along `forward`: the largest component, the first of
+/// equals.
+pub fn half_axis(forward: DVec3) -> usize {
+    let size = forward.abs();
+    (1..3).fold(0, |best, a| if size[a] > size[best] { a } else { best })
 }
 
 /// The segments of one ray, asked for one after another.
@@ -117,4 +215,47 @@ pub trait Segments {
     /// The next segment at or after sample `k`, not empty; `None` at the end of the ray. `state` is what a mode tells
     /// of its progress (the running maximum, say; NaN where a mode has nothing to tell).
     fn next(&mut self, k: u32, state: f64) -> Option<Range<u32>>;
+
+    /// Segments given so far, and steps taken between samples to find them; what was known before the march is free.
+    fn steps(&self) -> u32;
+}
+
+/// The most segments of a [`Listed`].
+const MAX_LISTED: usize = 2;
+
+/// Segments that are known before the march, ascending and disjoint.
+#[derive(Debug, Clone, Default)]
+struct Listed {
+    ranges: [Range<u32>; MAX_LISTED],
+    len: usize,
+    given: usize,
+}
+
+impl Listed {
+    /// Appends the part of `range` that lies after the last one, if there is any.
+    fn push(&mut self, range: Range<u32>) {
+        let after = self.ranges[..self.len].last().map_or(0, |last| last.end);
+        let start = range.start.max(after);
+        if start < range.end {
+            self.ranges[self.len] = start..range.end;
+            self.len += 1;
+        }
+    }
+}
+
+impl Segments for Listed {
+    #[inline]
+    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+        while let Some(range) = self.ranges[..self.len].get(self.given) {
+            self.given += 1;
+            if k < range.end {
+                return Some(range.start.max(k)..range.end);
+            }
+        }
+        None
+    }
+
+    fn steps(&self) -> u32 {
+        self.given as u32
+    }
 }

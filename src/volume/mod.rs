@@ -3,8 +3,29 @@
 //! A volume keeps its voxels as they are stored (u8, i8, u16, i16 or f32; other types are converted at load, with the
 //! loss stated in [`Volume::warnings`]) and memory-maps them where the file allows. x varies fastest.
 
+mod convert;
+mod edit;
+mod enclosed;
+mod header;
+mod metaimage;
+mod nifti;
+mod nrrd;
+mod nrrd_write;
+mod open;
+mod payload;
+pub mod phantom;
+mod raw;
+mod scalar;
+pub mod statistics;
 mod store;
 
+pub use enclosed::enclosed_share;
+pub use header::Stored;
+pub use nrrd_write::{Packing, write_nrrd};
+pub use open::{load, open, read_stored};
+pub use raw::{RawLayout, parse_dims};
+pub use scalar::{Endian, Scalar};
+pub use statistics::{Statistics, empty_share};
 pub use store::Store;
 
 use glam::{DMat3, DVec3};
@@ -13,6 +34,8 @@ use glam::{DMat3, DVec3};
 ///
 /// Grid coordinates are f32 on the GPU and in the SIMD backend: 2^16 voxels leave them 2^-8 of a voxel.
 pub const MAX_DIM: usize = 1 << 16;
+
+const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
 /// A regular grid of scalar voxels with its place in the world.
 #[derive(Debug)]

@@ -1,0 +1,9 @@
+// No counters: what is timed.
+
+fn count_begin(at: u32) {}
+
+fn count_skip() {}
+
+fn count_sample(color: vec4f, k: u32, ray: Ray) {}
+
+fn count_end(at: u32) {}

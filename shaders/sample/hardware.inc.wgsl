@@ -1,0 +1,9 @@
+// The adapter's trilinear filter. Twin of sample::Sampler::Hardware.
+
+@group(0) @binding(5) var volume: texture_3d<f32>;
+@group(0) @binding(6) var volume_filter: sampler;
+
+fn sample_x(grid: vec3f) -> f32 {
+    let raw = textureSampleLevel(volume, volume_filter, grid * settings.inverse_dims, 0.0).x;
+    return (raw - settings.raw_origin) * settings.x_scale;
+}

@@ -1,0 +1,28 @@
+// Everything a march needs besides its rays. Mirrors gpu::abi::MarchSettings.
+
+struct MarchSettings {
+    // Voxels along x, y, z.
+    dims: vec3f,
+    // Table coordinate of a raw texel: x = (raw - raw_origin) * x_scale.
+    x_scale: f32,
+    inverse_dims: vec3f,
+    raw_origin: f32,
+    // Table entries N, and how near to an entry counts as on it.
+    entries: f32,
+    snap: f32,
+    // Opacity at which a ray stops.
+    ert: f32,
+    // Segments per ray that the bounds hold; 0: the bounding box.
+    segment_count: u32,
+    // Bit i: segment i starts at the near plane, because an active block lies there.
+    near_mask: u32,
+    tile_count: u32,
+    tiles_per_row: u32,
+    max_iterations: u32,
+    resume: u32,
+    store_progress: u32,
+    tile_first: u32,
+    pad1: u32,
+}
+
+@group(0) @binding(1) var<uniform> settings: MarchSettings;

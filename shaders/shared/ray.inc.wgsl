@@ -1,0 +1,54 @@
+// The one sample lattice: sample k lies at entry + (k + 1/2) * delta in grid coordinates. Twin of lattice::RayBasis::ray.
+#import shared/view
+
+// Direction components below this magnitude are exactly zero (lattice::PARALLEL).
+const PARALLEL = 0x1p-40;
+// How near to an end of its range a sample may lie, in steps (lattice::EDGE).
+const EDGE = 0x1p-10;
+
+struct Ray {
+    entry: vec3f,
+    delta: vec3f,
+    k_near: u32,
+    k_end: u32,
+    // Unclamped entry into the box, local units from the ray's start.
+    t_box: f32,
+    // Length of the unnormalised direction: local units per unit of depth.
+    length: f32,
+}
+
+fn ray_through(pixel: vec2u) -> Ray {
+    let l = line_through(pixel);
+    let length = sqrt(dot(l.dir, l.dir));
+    let raw = l.dir / length;
+    let parallel = abs(raw) < vec3f(PARALLEL);
+    let d = select(raw, vec3f(0.0), parallel);
+    // A parallel ray is inside a slab for ever or never: divide by one and replace the result.
+    let inverse = 1.0 / select(raw, vec3f(1.0), parallel);
+    let t0 = (vec3f(0.0) - l.start) * inverse;
+    let t1 = (view.extent - l.start) * inverse;
+    const FAR = 1e30;
+    let outside = (l.start < vec3f(0.0)) | (view.extent < l.start);
+    let parallel_in = select(vec3f(-FAR), vec3f(FAR), outside);
+    let near3 = select(min(t0, t1), parallel_in, parallel);
+    let far3 = select(max(t0, t1), vec3f(FAR), parallel);
+    let t_in = max(max(near3.x, near3.y), near3.z);
+    let t_out = min(min(far3.x, far3.y), far3.z);
+
+    let missed = t_out < t_in;
+    let t_box = select(t_in, 0.0, missed);
+    let chord = select(t_out - t_in, 0.0, missed);
+    var ray: Ray;
+    ray.entry = (l.start + t_box * d) * view.grid_from_local;
+    ray.delta = d * view.step * view.grid_from_local;
+    ray.k_near = u32(max(ceil(-t_box / view.step - (0.5 + EDGE)), 0.0));
+    ray.k_end = u32(max(ceil(chord / view.step - (0.5 + EDGE)), 0.0));
+    ray.t_box = t_box;
+    ray.length = length;
+    return ray;
+}
+
+// Grid position of sample k.
+fn lattice(ray: Ray, k: u32) -> vec3f {
+    return ray.entry + (f32(k) + 0.5) * ray.delta;
+}

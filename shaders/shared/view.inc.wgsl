@@ -1,0 +1,49 @@
+// The rays of one picture, affine in the pixel, in local coordinates (box [0, extent]; unit: smallest voxel spacing).
+// Mirrors gpu::abi::View, made in f64 from lattice::RayFrame.
+
+struct View {
+    start: vec3f,
+    step: f32,
+    start_dx: vec3f,
+    // Scale from depth along the unnormalised direction to the stored depth in [0, 1]: a power of two, so exact.
+    depth_scale: f32,
+    start_dy: vec3f,
+    // How far rasterised rectangles are grown outward, in local units.
+    grow: f32,
+    dir: vec3f,
+    // Edge of a leaf block in voxels.
+    block: f32,
+    dir_dx: vec3f,
+    // Depth of the rays' start plane before the eye.
+    start_depth: f32,
+    dir_dy: vec3f,
+    pad1: f32,
+    extent: vec3f,
+    pad2: f32,
+    grid_from_local: vec3f,
+    pad3: f32,
+    // (size - 1) / 2 of the whole picture.
+    centre: vec2f,
+    // Top left pixel of this tile in the whole picture.
+    origin: vec2u,
+    // Pixels of this tile.
+    size: vec2u,
+    pad4: vec2u,
+    clip_from_local: mat4x4f,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+
+// Start and unnormalised direction of the ray through a pixel of this tile.
+struct Line {
+    start: vec3f,
+    dir: vec3f,
+}
+
+fn line_through(pixel: vec2u) -> Line {
+    let p = vec2f(pixel + view.origin) - view.centre;
+    return Line(
+        view.start + p.x * view.start_dx + p.y * view.start_dy,
+        view.dir + p.x * view.dir_dx + p.y * view.dir_dy,
+    );
+}

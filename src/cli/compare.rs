@@ -1,0 +1,246 @@
+//! `hollowcast compare`: methods against box, in time and in pictures.
+
+use std::sync::Arc;
+
+use hollowcast::Result;
+use hollowcast::camera::Camera;
+use hollowcast::measure::compare::{Comparison, Plan, ReferencePlan, compare};
+use hollowcast::render::{BackendChoice, BackendInfo, Renderer};
+use hollowcast::skip::Skip;
+use hollowcast::transfer::TransferFunction;
+use hollowcast::volume::Volume;
+use serde_json::{Value, json};
+
+use super::camera::CameraSpec;
+use super::progress::Progress;
+use super::scene_args::{self, SceneArgs};
+use super::values::{self, Step};
+use super::volume_args::VolumeArgs;
+use super::{report, table};
+
+const EXAMPLES: &str = "\
+Examples:
+  hollowcast compare scan.nrrd
+  hollowcast compare scan.nrrd --methods box,hull,half-split --steps 0.002u,0.005u,0.01u --json
+  hollowcast compare teapot.nrrd --pad-cube --tf ramp:40:255:0.3 --blocks 4,8,16
+  hollowcast compare phantom:noise:128 --backends cpu,gpu --size 256 --repeat 5
+
+Every method draws every view, in interleaved runs (A B C, A B C, ...); a view's time is the median of its runs, a row's
+the mean over its views. frame_ms is a frame after the structures stand, without read-back (read_back_ms). Counters and
+pictures come from separate, untimed runs. psnr_vs_reference_db holds a smaller picture, without early termination, against
+the f64 reference: null where it is equal or was not measured.";
+
+/// Compares methods with bounding-box casting over an orbit of views.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Args {
+    #[command(flatten)]
+    volume: VolumeArgs,
+
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// The methods; box is added where it is missing
+    #[arg(long, value_delimiter = ',', default_value = "box,hull,half-split", value_parser = values::method(), help_heading = "Comparison")]
+    methods: Vec<Skip>,
+
+    /// Distances of samples in voxels, or with u in parts of the longest box edge
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "0.002u,0.005u,0.01u",
+        help_heading = "Comparison"
+    )]
+    steps: Vec<Step>,
+
+    /// Edges of the leaf blocks in voxels: 4, 8, 16, 32
+    #[arg(long, value_name = "N", value_delimiter = ',', default_value = "8", value_parser = scene_args::block, help_heading = "Comparison")]
+    blocks: Vec<usize>,
+
+    /// Where the pictures are made
+    #[arg(long, value_delimiter = ',', default_value = "auto", value_parser = values::named(BackendChoice::ALL, BackendChoice::name), help_heading = "Comparison")]
+    backends: Vec<BackendChoice>,
+
+    /// Views, evenly around the box from --camera on; a camera at a place (eye=...) is one view
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=360), help_heading = "Comparison")]
+    views: u32,
+
+    /// Timed runs of each method in each view
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..), help_heading = "Comparison")]
+    repeat: u32,
+
+    /// Views that are held against the f64 reference; 0: none
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 1,
+        help_heading = "Comparison"
+    )]
+    reference_views: usize,
+
+    /// Size of the pictures that are held against the reference
+    #[arg(long, value_name = "WxH", default_value = "128x128", value_parser = values::size, help_heading = "Comparison")]
+    reference_size: [u32; 2],
+
+    /// Report as JSON on standard output instead of a table
+    #[arg(long, help_heading = "Comparison")]
+    json: bool,
+}
+
+pub(super) fn run(args: &Args) -> Result<()> {
+    let volume = args.volume.load()?;
+    let plan = args.plan(&volume);
+    let transfer = args.scene.transfer(&volume)?;
+    let mut renderers = args
+        .backends
+        .iter()
+        .map(|&choice| ready(choice, &volume, &transfer))
+        .collect::<Result<Vec<_>>>()?;
+    let comparison = measured(&mut renderers, &volume, &transfer, &plan)?;
+    let infos: Vec<BackendInfo> = renderers.iter().map(|r| r.info().clone()).collect();
+    for (&choice, info) in args.backends.iter().zip(&infos) {
+        report::notice_fallback(choice, info);
+    }
+    if args.json {
+        super::print_json(&args.json(&volume, &plan, &comparison, &infos))
+    } else {
+        super::print(&heading(&volume, &plan, &comparison, &infos))?;
+        super::print(&table::comparison(&comparison.rows))
+    }
+}
+
+/// A renderer with its volume and transfer function set.
+pub(super) fn ready(
+    choice: BackendChoice,
+    volume: &Arc<Volume>,
+    transfer: &TransferFunction,
+) -> Result<Renderer> {
+    let mut renderer = Renderer::new(choice)?;
+    renderer.set_volume(volume.clone())?;
+    renderer.set_transfer(transfer.clone());
+    Ok(renderer)
+}
+
+/// Runs the plan under a progress bar.
+pub(super) fn measured(
+    renderers: &mut [Renderer],
+    volume: &Arc<Volume>,
+    transfer: &TransferFunction,
+    plan: &Plan,
+) -> Result<Comparison> {
+    let mut reference = ready(BackendChoice::Reference, volume, transfer)?;
+    let progress = Progress::bar("comparing");
+    compare(renderers, &mut reference, plan, &mut |done| {
+        progress.set(done);
+    })
+}
+
+/// What the whole table shares.
+pub(super) fn heading(
+    volume: &Volume,
+    plan: &Plan,
+    comparison: &Comparison,
+    infos: &[BackendInfo],
+) -> String {
+    let [width, height] = plan.settings.size;
+    let mut lines = vec![format!(
+        "{}, {width}x{height}, {} views, {} runs each",
+        report::volume_words(volume),
+        plan.views.len(),
+        plan.rounds,
+    )];
+    lines.extend(
+        infos
+            .iter()
+            .zip(&comparison.samplers)
+            .map(|(info, sampler)| {
+                format!(
+                    "{}, sampler {}",
+                    report::adapter_words(info),
+                    sampler.name()
+                )
+            }),
+    );
+    if plan.reference.views > 0 {
+        let [width, height] = plan.reference.size;
+        lines.push(format!(
+            "PSNR against the f64 reference: {} of the views at {width}x{height}, no early termination",
+            plan.reference.views.min(plan.views.len()),
+        ));
+    }
+    lines.join("\n") + "\n\n"
+}
+
+impl Args {
+    fn views(&self, volume: &Volume) -> Vec<Camera> {
+        let count = match self.scene.camera {
+            CameraSpec::Around(_) => self.views,
+            CameraSpec::At { .. } => 1,
+        };
+        (0..count)
+            .map(|i| {
+                let turn = 360.0 * f64::from(i) / f64::from(count);
+                self.scene.camera.camera(volume, turn)
+            })
+            .collect()
+    }
+
+    fn plan(&self, volume: &Volume) -> Plan {
+        let mut methods = self.methods.clone();
+        if !methods.contains(&Skip::Box) {
+            methods.insert(0, Skip::Box);
+        }
+        let views = self.views(volume);
+        let steps: Vec<_> = self
+            .steps
+            .iter()
+            .map(|s| s.in_box(volume.extent()))
+            .collect();
+        let settings = self
+            .scene
+            .settings(Skip::Box, self.blocks[0], steps[0].voxels, views[0]);
+        Plan {
+            methods,
+            blocks: self.blocks.clone(),
+            steps,
+            views,
+            settings,
+            rounds: self.repeat as usize,
+            reference: ReferencePlan {
+                views: self.reference_views,
+                size: self.reference_size,
+            },
+        }
+    }
+
+    fn json(
+        &self,
+        volume: &Volume,
+        plan: &Plan,
+        comparison: &Comparison,
+        infos: &[BackendInfo],
+    ) -> Value {
+        let adapters: Vec<Value> = infos
+            .iter()
+            .zip(&comparison.samplers)
+            .map(|(info, sampler)| {
+                let mut adapter = report::adapter_json(info);
+                adapter["sampler"] = sampler.name().into();
+                adapter
+            })
+            .collect();
+        json!({
+            "adapter": adapters[0],
+            "adapters": adapters,
+            "volume": report::volume_json(volume),
+            "transfer_function": self.scene.tf,
+            "table_size": self.scene.table_size,
+            "mode": self.scene.mode.name(),
+            "ert": report::decimal(self.scene.ert),
+            "steps": plan.steps,
+            "runs_per_view": plan.rounds,
+            "reference": plan.reference,
+            "rows": comparison.rows,
+        })
+    }
+}

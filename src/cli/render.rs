@@ -1,0 +1,249 @@
+//! `hollowcast render`: one picture.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use hollowcast::Result;
+use hollowcast::measure::statistics::quartiles;
+use hollowcast::output::{self, Curve, Depth, Format, PngEncoding};
+use hollowcast::render::{BackendChoice, FrameTimes, Preparation, Rendered, Renderer, Settings};
+use hollowcast::skip::Skip;
+use serde_json::{Value, json};
+
+use super::progress::Progress;
+use super::report;
+use super::scene_args::{self, SceneArgs};
+use super::values::{self, Background, Step};
+use super::volume_args::VolumeArgs;
+
+const EXAMPLES: &str = "\
+Examples:
+  hollowcast render scan.nrrd -o scan.png
+  hollowcast render scan.nrrd --method box --backend cpu -o scan.npy
+  hollowcast render pot_256x256x178_uint8.raw --tf ramp:40:255:0.3 --step 0.002u --pad-cube
+  hollowcast render scan.nii.gz --camera 'eye=64,64,10;target=64,64,100;up=0,1,0' --background '#20242c'
+  hollowcast render scan.mha --repeat 20 --json
+
+.png holds straight colour (sRGB-encoded unless --png-curve linear); .npy and .exr hold linear f32 colour multiplied by
+opacity, before quantisation. A file of that name is replaced only once the new one is complete.";
+
+/// Draws one picture of a volume.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Args {
+    #[command(flatten)]
+    volume: VolumeArgs,
+
+    #[command(flatten)]
+    scene: SceneArgs,
+
+    /// Where samples are taken
+    #[arg(long, default_value = "half-split", value_parser = values::method(), help_heading = "Picture")]
+    method: Skip,
+
+    /// Edge of the leaf blocks in voxels: 4, 8, 16 or 32
+    #[arg(long, value_name = "N", default_value = "8", value_parser = scene_args::block, help_heading = "Picture")]
+    block: usize,
+
+    /// Distance of samples in voxels (of the smallest spacing), or with u in parts of the longest box edge
+    #[arg(long, default_value = "0.5", help_heading = "Picture")]
+    step: Step,
+
+    /// Where the picture is made
+    #[arg(long, default_value = "auto", value_parser = values::named(BackendChoice::ALL, BackendChoice::name), help_heading = "Picture")]
+    backend: BackendChoice,
+
+    /// The file to write; .png, .npy or .exr
+    #[arg(
+        short,
+        long,
+        value_name = "FILE",
+        default_value = "out.png",
+        help_heading = "Output"
+    )]
+    output: PathBuf,
+
+    /// Behind the picture: none, black, white or an sRGB colour as #rrggbb
+    #[arg(
+        long,
+        value_name = "COLOR",
+        default_value = "none",
+        help_heading = "Output"
+    )]
+    background: Background,
+
+    /// Bits per channel of a PNG
+    #[arg(long, value_name = "BITS", default_value = "8", value_parser = ["8", "16"], help_heading = "Output")]
+    png_depth: String,
+
+    /// Curve of a PNG's colours
+    #[arg(long, value_name = "CURVE", default_value = "srgb", value_parser = ["srgb", "linear"], help_heading = "Output")]
+    png_curve: String,
+
+    /// Draw the view N times after a warm-up and report median and quartiles of the frame time
+    #[arg(long, value_name = "N", help_heading = "Output", value_parser = clap::value_parser!(u32).range(1..))]
+    repeat: Option<u32>,
+
+    /// Report as JSON on standard output
+    #[arg(long, help_heading = "Output")]
+    json: bool,
+}
+
+/// A frame that was timed with the fetching of its picture.
+struct Run {
+    times: FrameTimes,
+    read_back_ms: f64,
+}
+
+pub(super) fn run(args: &Args) -> Result<()> {
+    // Refused before an hour of work rather than after.
+    Format::from_path(&args.output)?;
+    let volume = args.volume.load()?;
+    let transfer = args.scene.transfer(&volume)?;
+    let camera = args.scene.camera.camera(&volume, 0.0);
+    let step = args.step.in_box(volume.extent());
+    let settings = args
+        .scene
+        .settings(args.method, args.block, step.voxels, camera);
+
+    let progress = Progress::spinner("drawing");
+    let mut renderer = Renderer::new(args.backend)?;
+    renderer.set_volume(volume.clone())?;
+    renderer.set_transfer(transfer);
+    let preparation = renderer.prepare(&settings)?;
+    let rendered = renderer.render(&settings)?;
+    let mut runs = Vec::new();
+    for _ in 0..args.repeat.unwrap_or(0) {
+        let Rendered {
+            times,
+            read_back_ms,
+            ..
+        } = renderer.render(&settings)?;
+        runs.push(Run {
+            times,
+            read_back_ms,
+        });
+    }
+    drop(progress);
+    report::notice_fallback(args.backend, renderer.info());
+
+    let picture = match args.background.0 {
+        Some(color) => output::over(&rendered.picture, color),
+        None => rendered.picture.clone(),
+    };
+    output::write(&picture, &args.output, args.png_encoding())?;
+
+    if args.json {
+        let mut object = json!({
+            "adapter": report::adapter_json(renderer.info()),
+            "volume": report::volume_json(&volume),
+            "step": step.name,
+            "output": args.output.display().to_string(),
+        });
+        let more = facts(&settings, &preparation, &rendered, &runs);
+        if let (Value::Object(object), Value::Object(more)) = (&mut object, more) {
+            object.extend(more);
+        }
+        super::print_json(&object)
+    } else {
+        let mut text = format!(
+            "{}: {}, {}x{}, {} with sampler {} on {}\n",
+            args.output.display(),
+            report::volume_words(&volume),
+            settings.size[0],
+            settings.size[1],
+            settings.skip.method().name,
+            rendered.sampler.name(),
+            report::adapter_words(renderer.info()),
+        );
+        describe_times(&mut text, &preparation, &rendered, &runs);
+        super::print(&text)
+    }
+}
+
+impl Args {
+    fn png_encoding(&self) -> PngEncoding {
+        PngEncoding {
+            depth: if self.png_depth == "16" {
+                Depth::Sixteen
+            } else {
+                Depth::Eight
+            },
+            curve: if self.png_curve == "linear" {
+                Curve::Linear
+            } else {
+                Curve::Srgb
+            },
+        }
+    }
+}
+
+fn of(runs: &[Run], time: impl Fn(&Run) -> f64) -> hollowcast::measure::statistics::Quartiles {
+    quartiles(&runs.iter().map(time).collect::<Vec<_>>())
+}
+
+/// What was asked for and what it cost. Without repetition the times are of the one frame, warm-up included.
+fn facts(
+    settings: &Settings,
+    preparation: &Preparation,
+    rendered: &Rendered,
+    runs: &[Run],
+) -> Value {
+    let mut object = json!({
+        "method": settings.skip.method().name,
+        "mode": settings.mode.name(),
+        "sampler": rendered.sampler.name(),
+        "step_voxels": settings.step_voxels,
+        "block": settings.block,
+        "size": settings.size,
+        "ert": report::decimal(settings.ert),
+        "table_size": settings.table_entries,
+        "preprocess_ms": preparation.preprocess_ms,
+        "cull_ms": preparation.cull_ms,
+        "structure_bytes": preparation.structure_bytes,
+        "raster_ms": rendered.times.raster_ms,
+        "cast_ms": rendered.times.cast_ms,
+        "frame_ms": rendered.times.frame_ms,
+        "read_back_ms": rendered.read_back_ms,
+    });
+    if !runs.is_empty() {
+        object["repeat"] = json!({
+            "count": runs.len(),
+            "raster_ms": of(runs, |r| r.times.raster_ms),
+            "cast_ms": of(runs, |r| r.times.cast_ms),
+            "frame_ms": of(runs, |r| r.times.frame_ms),
+            "read_back_ms": of(runs, |r| r.read_back_ms),
+            "frame_with_read_back_ms": of(runs, |r| r.times.frame_ms + r.read_back_ms),
+        });
+    }
+    object
+}
+
+fn describe_times(text: &mut String, preparation: &Preparation, rendered: &Rendered, runs: &[Run]) {
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        text,
+        "structures {:.1} ms, culling {:.1} ms, {} KiB",
+        preparation.preprocess_ms,
+        preparation.cull_ms,
+        preparation.structure_bytes.div_ceil(1024)
+    );
+    if runs.is_empty() {
+        let _ = writeln!(
+            text,
+            "frame {:.1} ms (first, unwarmed), read-back {:.1} ms",
+            rendered.times.frame_ms, rendered.read_back_ms
+        );
+    } else {
+        let whole = of(runs, |r| r.times.frame_ms + r.read_back_ms);
+        let _ = writeln!(
+            text,
+            "frame with read-back {:.1} ms (quartiles {:.1} to {:.1}, {} runs), of it read-back {:.1} ms",
+            whole.median,
+            whole.q1,
+            whole.q3,
+            runs.len(),
+            of(runs, |r| r.read_back_ms).median
+        );
+    }
+}

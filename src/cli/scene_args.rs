@@ -1,0 +1,97 @@
+//! Arguments that say how a volume is drawn, shared by `render`, `compare` and `demo`.
+
+use clap::Args;
+use hollowcast::Result;
+use hollowcast::camera::Camera;
+use hollowcast::mode::Mode;
+use hollowcast::render::Settings;
+use hollowcast::sample::Sampler;
+use hollowcast::skip::Skip;
+use hollowcast::transfer::{PRESETS, TransferFunction};
+use hollowcast::volume::{Statistics, Volume};
+
+use super::camera::{self, CameraSpec};
+use super::values;
+
+/// The sizes of leaf blocks there are.
+pub(super) const BLOCKS: [usize; 4] = [4, 8, 16, 32];
+
+/// What a picture is made of, besides the choices that a subcommand has one or several of.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Picture")]
+pub(super) struct SceneArgs {
+    #[arg(long, value_name = "NAME|RAMP|FILE", default_value = PRESETS[0].name, help = tf_help())]
+    pub(super) tf: String,
+
+    /// Entries of the table that the transfer function is baked into: 256, 4096 or 65536
+    #[arg(long, value_name = "N", default_value_t = 4096)]
+    pub(super) table_size: usize,
+
+    /// What is done with the samples
+    #[arg(long, default_value = "emission-absorption", value_parser = values::named(Mode::ALL, Mode::name))]
+    pub(super) mode: Mode,
+
+    /// How one sample is taken [default: hardware on a hardware adapter, else exact]
+    #[arg(long, value_parser = values::named(Sampler::ALL, Sampler::name))]
+    pub(super) sampler: Option<Sampler>,
+
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = values::size)]
+    pub(super) size: [u32; 2],
+
+    #[arg(long, value_name = "WHERE", default_value = "az=30,el=20,dist=2,up=z,fov=45", help = camera::HELP)]
+    pub(super) camera: CameraSpec,
+
+    /// Opacity at which a ray stops; off: never
+    #[arg(long, value_name = "OPACITY", default_value = "0.98", value_parser = values::ert)]
+    pub(super) ert: f32,
+}
+
+impl SceneArgs {
+    /// The settings of one picture.
+    pub(super) fn settings(
+        &self,
+        skip: Skip,
+        block: usize,
+        step_voxels: f64,
+        camera: Camera,
+    ) -> Settings {
+        Settings {
+            skip,
+            sampler: self.sampler,
+            mode: self.mode,
+            block,
+            step_voxels,
+            ert: self.ert,
+            size: self.size,
+            camera,
+            table_entries: self.table_size,
+        }
+    }
+
+    /// The transfer function for this volume.
+    pub(super) fn transfer(&self, volume: &Volume) -> Result<TransferFunction> {
+        TransferFunction::from_spec(&self.tf, &Statistics::of(volume))
+    }
+}
+
+/// What `--tf` takes.
+pub(super) fn tf_help() -> String {
+    let presets: Vec<String> = PRESETS
+        .iter()
+        .map(|p| format!("{} ({})", p.name, p.summary))
+        .collect();
+    format!(
+        "Colour and opacity: ramp:FROM:TO:OPACITY (data values, opacity per voxel), a TOML file of control points, or a \
+         preset that looks at the histogram: {}",
+        presets.join(", ")
+    )
+}
+
+/// Checks a block size, which clap's own message for a list of numbers would not explain.
+pub(super) fn block(text: &str) -> std::result::Result<usize, String> {
+    text.parse()
+        .ok()
+        .filter(|b| BLOCKS.contains(b))
+        .ok_or_else(|| "expected 4, 8, 16 or 32 voxels".to_owned())
+}

@@ -1,0 +1,104 @@
+//! Structs that Rust writes and WGSL reads; a test reflects the shaders and compares name, offset and size.
+
+use bytemuck::{Pod, Zeroable};
+
+/// `View` in `shaders/shared/view.inc.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub struct View {
+    pub start: [f32; 3],
+    pub step: f32,
+    pub start_dx: [f32; 3],
+    pub depth_scale: f32,
+    pub start_dy: [f32; 3],
+    pub grow: f32,
+    pub dir: [f32; 3],
+    pub block: f32,
+    pub dir_dx: [f32; 3],
+    pub start_depth: f32,
+    pub dir_dy: [f32; 3],
+    pub pad1: f32,
+    pub extent: [f32; 3],
+    pub pad2: f32,
+    pub grid_from_local: [f32; 3],
+    pub pad3: f32,
+    pub centre: [f32; 2],
+    pub origin: [u32; 2],
+    pub size: [u32; 2],
+    pub pad4: [u32; 2],
+    pub clip_from_local: [[f32; 4]; 4],
+}
+
+/// `MarchSettings` in `shaders/shared/march_settings.inc.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub struct MarchSettings {
+    pub dims: [f32; 3],
+    pub x_scale: f32,
+    pub inverse_dims: [f32; 3],
+    pub raw_origin: f32,
+    pub entries: f32,
+    pub snap: f32,
+    pub ert: f32,
+    pub segment_count: u32,
+    pub near_mask: u32,
+    pub tile_count: u32,
+    pub tiles_per_row: u32,
+    pub max_iterations: u32,
+    pub resume: u32,
+    pub store_progress: u32,
+    pub tile_first: u32,
+    pub pad1: u32,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::mem::offset_of;
+
+    use super::*;
+    use crate::gpu::shader::compose;
+
+    fn reflect(name: &str) -> (u32, Vec<(String, u32)>) {
+        let choices = [
+            ("SKIP", "bounds"),
+            ("SAMPLER", "exact"),
+            ("MODE", "emission_absorption"),
+            ("COUNT", "off"),
+        ];
+        let module = naga::front::wgsl::parse_str(&compose("march", &choices).unwrap()).unwrap();
+        let (_, ty) = module
+            .types
+            .iter()
+            .find(|(_, ty)| ty.name.as_deref() == Some(name))
+            .unwrap();
+        let naga::TypeInner::Struct { members, span } = &ty.inner else {
+            panic!("{name} is a struct")
+        };
+        (
+            *span,
+            members
+                .iter()
+                .map(|m| (m.name.clone().unwrap(), m.offset))
+                .collect(),
+        )
+    }
+
+    macro_rules! mirrors {
+        ($struct:ident: $($field:ident),* $(,)?) => {
+            let (span, members) = reflect(stringify!($struct));
+            assert_eq!(span as usize, size_of::<$struct>());
+            let ours = vec![$((stringify!($field).to_owned(), offset_of!($struct, $field) as u32)),*];
+            assert_eq!(members, ours);
+        };
+    }
+
+    #[test]
+    fn structs_are_what_the_shaders_read() {
+        mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, pad1,
+            extent, pad2, grid_from_local, pad3, centre, origin, size, pad4, clip_from_local);
+        mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
+            tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, pad1);
+    }
+}

@@ -1,0 +1,149 @@
+//! Shader composition: `#import path` pulls in a piece once; `{NAME}` in a path is a choice.
+
+use std::collections::BTreeSet;
+
+use crate::error::{Error, Result};
+
+macro_rules! shaders {
+    ($($path:literal),* $(,)?) => {
+        /// Every shader of the project: its path under `shaders/` without the ending, and its text.
+        const SHADERS: &[(&str, &str)] = &[$(($path, include_str!(concat!("../../shaders/", $path, ".wgsl")))),*];
+    };
+}
+
+shaders![
+    "faces",
+    "march",
+    "present",
+    "count/off.inc",
+    "count/on.inc",
+    "mode/emission_absorption.inc",
+    "sample/exact.inc",
+    "sample/hardware.inc",
+    "sample/post.inc",
+    "shared/march_settings.inc",
+    "shared/ray.inc",
+    "shared/view.inc",
+    "skip/bounds.inc",
+];
+
+/// The text of pass `root` with all imports resolved. `choices` fills `{NAME}`s in import paths.
+///
+/// # Errors
+/// [`Error::Gpu`] that names the import that does not exist.
+pub fn compose(root: &str, choices: &[(&str, &str)]) -> Result<String> {
+    let mut text = String::new();
+    append(root, choices, &mut BTreeSet::new(), &mut text)?;
+    Ok(text)
+}
+
+fn append(
+    path: &str,
+    choices: &[(&str, &str)],
+    seen: &mut BTreeSet<String>,
+    text: &mut String,
+) -> Result<()> {
+    let source = SHADERS
+        .iter()
+        .find(|(name, _)| *name == path)
+        .map(|(_, source)| source);
+    let source = source.ok_or_else(|| Error::Gpu(format!("there is no shader {path}")))?;
+    for line in source.lines() {
+        let Some(import) = line.strip_prefix("#import ") else {
+            text.push_str(line);
+            text.push('\n');
+            continue;
+        };
+        let mut import = format!("{}.inc", import.trim());
+        for (name, choice) in choices {
+            import = import.replace(&format!("{{{name}}}"), choice);
+        }
+        if seen.insert(import.clone()) {
+            append(&import, choices, seen, text)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shader_file_is_in_the_list() {
+        fn visit(dir: &std::path::Path, found: &mut Vec<String>, root: &std::path::Path) {
+            for entry in std::fs::read_dir(dir).unwrap().map(Result::unwrap) {
+                let path = entry.path();
+                if path.is_dir() {
+                    visit(&path, found, root);
+                } else {
+                    let name = path
+                        .strip_prefix(root)
+                        .unwrap()
+                        .to_str()
+                        .unwrap()
+                        .replace('\\', "/");
+                    found.push(
+                        name.strip_suffix(".wgsl")
+                            .expect("only WGSL lies in shaders/")
+                            .to_owned(),
+                    );
+                }
+            }
+        }
+        let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders");
+        let mut found = Vec::new();
+        visit(&root, &mut found, &root);
+        found.sort();
+        let mut listed: Vec<_> = SHADERS.iter().map(|(name, _)| (*name).to_owned()).collect();
+        listed.sort();
+        assert_eq!(found, listed);
+    }
+
+    #[test]
+    fn every_permutation_parses_and_validates() {
+        let names = |folder: &str| -> Vec<&str> {
+            let strip = |(name, _): &(&'static str, &str)| -> Option<&'static str> {
+                name.strip_prefix(folder)?.strip_suffix(".inc")
+            };
+            SHADERS.iter().filter_map(strip).collect()
+        };
+        let mut composed = vec![
+            compose("faces", &[]).unwrap(),
+            compose("present", &[]).unwrap(),
+        ];
+        for skip in names("skip/") {
+            for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
+                for mode in names("mode/") {
+                    for count in names("count/") {
+                        let choices = [
+                            ("SKIP", skip),
+                            ("SAMPLER", sampler),
+                            ("MODE", mode),
+                            ("COUNT", count),
+                        ];
+                        composed.push(compose("march", &choices).unwrap());
+                    }
+                }
+            }
+        }
+        for text in composed {
+            let module = naga::front::wgsl::parse_str(&text)
+                .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+            naga::valid::Validator::new(
+                naga::valid::ValidationFlags::all(),
+                naga::valid::Capabilities::empty(),
+            )
+            .validate(&module)
+            .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+        }
+    }
+
+    #[test]
+    fn an_unknown_import_is_named() {
+        let error = compose("march", &[("SKIP", "nowhere")])
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains("skip/nowhere"), "{error}");
+    }
+}

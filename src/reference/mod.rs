@@ -1,0 +1,108 @@
+//! The f64 reference: an independent renderer of the same choices of skip, sample and mode, the oracle of tests.
+//!
+//! It draws what the scene's baked table says ([`render`], [`render_f64`]), as every backend does; or what the transfer
+//! function itself says, without the table's f32 entries and the interpolation between them ([`render_exact`]), which
+//! is what closed-form answers are compared with.
+//!
+//! Both samplers interpolate exactly here: how coarse an adapter's filter is, is what the reference measures.
+
+mod classes;
+mod march;
+#[cfg(test)]
+mod tests;
+
+use rayon::prelude::*;
+
+use crate::error::Result;
+use crate::scene::{CountedPicture, Counters, Picture, Progress, Scene};
+use crate::skip::Plan;
+use crate::transfer::TransferFunction;
+use crate::with_voxels;
+use classes::{Baked, Classes, Unbaked};
+use march::Marcher;
+
+/// The scene in f64, rounded to f32 at the end, with the work it took. The same whatever the number of threads.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`] where `progress` was told to stop.
+pub fn render(scene: &Scene, plan: &Plan, progress: &Progress) -> Result<CountedPicture> {
+    let size = scene.frame.size;
+    let [width, pixels] = [size[0] as usize, size[0] as usize * size[1] as usize];
+    let mut rgba = vec![[0.0; 4]; pixels];
+    let mut samples = vec![0; pixels];
+    let mut first_hit = vec![0.0; pixels];
+    let rows = rgba
+        .par_chunks_mut(width)
+        .zip(samples.par_chunks_mut(width))
+        .zip(first_hit.par_chunks_mut(width))
+        .enumerate();
+    let classes = Baked::new(scene.table);
+    let counters = with_voxels!(&scene.volume.voxels, voxels => {
+        let marcher = Marcher::new(scene, plan, voxels, &classes);
+        rows.map(|(y, ((rgba, samples), first_hit))| {
+            let mut counters = Counters::default();
+            for x in 0..width {
+                let pixel = marcher.pixel(x, y);
+                rgba[x] = pixel.rgba.map(|c| c as f32);
+                samples[x] = pixel.counters.samples as u32;
+                first_hit[x] = pixel.first_hit as f32;
+                counters += pixel.counters;
+            }
+            progress.finish_row()?;
+            Ok(counters)
+        })
+        .try_reduce(Counters::default, |mut a, b| {
+            a += b;
+            Ok(a)
+        })?
+    });
+    Ok(CountedPicture {
+        picture: Picture { size, rgba },
+        counters,
+        samples,
+        first_hit,
+    })
+}
+
+/// The pixels of [`render`] before they are rounded: linear, premultiplied, row by row from the top left.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`] where `progress` was told to stop.
+pub fn render_f64(scene: &Scene, plan: &Plan, progress: &Progress) -> Result<Vec<[f64; 4]>> {
+    pixels(scene, plan, &Baked::new(scene.table), progress)
+}
+
+/// The same with `function` evaluated in f64 at every sample, in place of the scene's table (whose domain still says
+/// what a voxel's value is, and whose visibility says what `plan` may leave out).
+///
+/// # Errors
+/// [`crate::Error::Cancelled`] where `progress` was told to stop.
+pub fn render_exact(
+    scene: &Scene,
+    function: &TransferFunction,
+    plan: &Plan,
+    progress: &Progress,
+) -> Result<Vec<[f64; 4]>> {
+    let classes = Unbaked::new(function, *scene.table.domain(), scene.frame.step);
+    pixels(scene, plan, &classes, progress)
+}
+
+fn pixels(
+    scene: &Scene,
+    plan: &Plan,
+    classes: &impl Classes,
+    progress: &Progress,
+) -> Result<Vec<[f64; 4]>> {
+    let [width, height] = scene.frame.size.map(|n| n as usize);
+    let mut rgba = vec![[0.0; 4]; width * height];
+    with_voxels!(&scene.volume.voxels, voxels => {
+        let marcher = Marcher::new(scene, plan, voxels, classes);
+        rgba.par_chunks_mut(width).enumerate().try_for_each(|(y, row)| {
+            for (x, rgba) in row.iter_mut().enumerate() {
+                *rgba = marcher.pixel(x, y).rgba;
+            }
+            progress.finish_row()
+        })?;
+    });
+    Ok(rgba)
+}

@@ -1,0 +1,667 @@
+//! The GPU backend: resident volume, passes and targets.
+
+mod faces;
+mod march;
+mod present;
+mod tiles;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::DVec3;
+
+use self::faces::{BoundsTexture, FaceBuffers, FacesPass, Viewer};
+use self::march::{March, MarchPass, SETTINGS_STRIDE, uniform};
+use self::present::PresentPass;
+pub use self::present::Targets;
+use self::tiles::{TILE, TileMask};
+use crate::camera::{Camera, Projection};
+use crate::error::{Error, Result};
+use crate::gpu::abi::{MarchSettings, View};
+use crate::gpu::buffer::{GrowBuffer, read_back};
+use crate::gpu::texture::VolumeTexture;
+use crate::gpu::timer::{Place, SpanTimer};
+use crate::gpu::{AdapterKind, Gpu};
+use crate::octree::Hull;
+use crate::render::FrameTimes;
+use crate::sample::Sampler;
+use crate::scene::{CountedPicture, Counters, Picture, Progress, Scene};
+use crate::volume::Volume;
+
+/// Iterations of one invocation in one dispatch. Mesa's software driver ends an invocation silently after 65,535, and
+/// real drivers have watchdogs.
+const MAX_ITERATIONS: u32 = 16_384;
+
+/// Largest edge of a target; larger pictures are drawn in pieces. 2,048 squared times 16 bytes is half of the 128 MiB
+/// that every adapter binds.
+const MAX_TARGET: u32 = 2048;
+
+/// Samples that one dispatch may take at most on hardware: about 100 ms on the slowest integrated GPUs.
+const MAX_SAMPLES_PER_DISPATCH: u64 = 1 << 27;
+
+/// Part of a volume whose bounds are rasterised: one segment of each ray.
+pub(super) struct Part<'a> {
+    /// Names the part within its structure, for keeping its buffers.
+    pub(super) key: (u64, u8),
+    /// Its faces.
+    pub(super) hull: &'a Hull,
+    /// Whether an active block of it lies where rays start, so that its segment starts there.
+    pub(super) starts_near: bool,
+}
+
+/// One picture to draw.
+pub(super) struct Job<'a> {
+    pub(super) scene: Scene<'a>,
+    pub(super) camera: &'a Camera,
+    /// Near part first; empty: the bounding box.
+    pub(super) parts: Vec<Part<'a>>,
+    /// Leaf block edge in voxels.
+    pub(super) block: usize,
+    /// Boxes (local coordinates) outside which nothing is visible.
+    pub(super) active: &'a [[DVec3; 2]],
+}
+
+/// Device, resident volume, passes and targets.
+pub(super) struct GpuBackend {
+    gpu: Gpu,
+    view_layout: wgpu::BindGroupLayout,
+    faces: FacesPass,
+    march: MarchPass,
+    march_filterable: bool,
+    volume: Option<VolumeTexture>,
+    bounds: Option<BoundsTexture>,
+    kept_faces: HashMap<(u64, u8), Option<FaceBuffers>>,
+    views: GrowBuffer,
+    settings: GrowBuffer,
+    tiles: GrowBuffer,
+    target: GrowBuffer,
+    progress: GrowBuffer,
+    work: GrowBuffer,
+    table: GrowBuffer,
+    timer: SpanTimer,
+    present: Option<PresentPass>,
+    progress_of_job: Arc<Progress>,
+}
+
+/// Spans of the timer.
+const RASTER: u32 = 0;
+const CAST: u32 = 1;
+
+/// What a drawn piece of a picture left on the device.
+struct Piece {
+    origin: [u32; 2],
+    size: [u32; 2],
+}
+
+impl GpuBackend {
+    /// A backend on the best adapter of a kind.
+    pub(super) fn open(kind: AdapterKind, progress: Arc<Progress>) -> Result<Self> {
+        Self::with_device(Gpu::open(kind)?, progress)
+    }
+
+    /// A backend on this device.
+    pub(super) fn with_device(gpu: Gpu, progress: Arc<Progress>) -> Result<Self> {
+        use wgpu::BufferUsages as Usage;
+        let view_layout = gpu
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+                label: Some("view"),
+                entries: &[wgpu::BindGroupLayoutEntry {
+                    binding: 0,
+                    visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                    ty: uniform(false),
+                    count: None,
+                }],
+            });
+        let storage = Usage::STORAGE | Usage::COPY_SRC;
+        let faces = gpu.checked(|| FacesPass::new(&gpu, &view_layout))??;
+        Ok(Self {
+            faces,
+            march: MarchPass::new(&gpu, true),
+            march_filterable: true,
+            volume: None,
+            bounds: None,
+            kept_faces: HashMap::new(),
+            views: GrowBuffer::new("view", Usage::UNIFORM),
+            settings: GrowBuffer::new("march settings", Usage::UNIFORM),
+            tiles: GrowBuffer::new("tiles", Usage::STORAGE),
+            target: GrowBuffer::new("target", storage),
+            progress: GrowBuffer::new("progress", Usage::STORAGE),
+            work: GrowBuffer::new("work", storage),
+            table: GrowBuffer::new("table", Usage::STORAGE),
+            timer: SpanTimer::new(&gpu, 2),
+            view_layout,
+            gpu,
+            present: None,
+            progress_of_job: progress,
+        })
+    }
+
+    pub(super) fn gpu(&self) -> &Gpu {
+        &self.gpu
+    }
+
+    /// Uploads a volume in place of the last.
+    pub(super) fn set_volume(&mut self, volume: &Volume) -> Result<()> {
+        // The old texture goes first: both need not fit.
+        self.volume = None;
+        self.kept_faces.clear();
+        let resident = VolumeTexture::upload(&self.gpu, volume)?;
+        if resident.filterable != self.march_filterable {
+            self.march = MarchPass::new(&self.gpu, resident.filterable);
+            self.march_filterable = resident.filterable;
+        }
+        self.volume = Some(resident);
+        Ok(())
+    }
+
+    /// The sampler to take where none was asked for: the filter on hardware, exact on software (whose filter returns
+    /// 256 distinct values) and where the adapter cannot filter the volume's format.
+    pub(super) fn default_sampler(&self) -> Sampler {
+        let filterable = self.volume.as_ref().is_none_or(|v| v.filterable);
+        if filterable && !self.gpu.is_software() {
+            Sampler::Hardware
+        } else {
+            Sampler::Exact
+        }
+    }
+
+    /// Uploads what the job's parts need and is not there yet; buffers of other structures are dropped.
+    pub(super) fn prepare(&mut self, job: &Job) -> Result<()> {
+        if let Some(structure) = job.parts.first().map(|p| p.key.0) {
+            self.kept_faces.retain(|key, _| key.0 == structure);
+        }
+        for part in &job.parts {
+            if !self.kept_faces.contains_key(&part.key) {
+                let faces = self
+                    .gpu
+                    .checked(|| FaceBuffers::new(&self.gpu, part.hull))?;
+                self.kept_faces.insert(part.key, faces);
+            }
+        }
+        Ok(())
+    }
+
+    /// Bytes of vertex buffers that are kept.
+    pub(super) fn face_bytes(&self) -> u64 {
+        self.kept_faces
+            .values()
+            .flatten()
+            .map(FaceBuffers::bytes)
+            .sum()
+    }
+
+    /// Draws a picture and leaves it on the device: what is timed.
+    pub(super) fn draw(&mut self, job: &Job) -> Result<FrameTimes> {
+        let mut times = FrameTimes::default();
+        self.pieces(job, false, |_, _| Ok(()), &mut times)?;
+        Ok(times)
+    }
+
+    /// Draws a picture and reads it back; the last number is the time that reading took, in ms.
+    pub(super) fn render(&mut self, job: &Job) -> Result<(Picture, FrameTimes, f64)> {
+        let size = job.scene.frame.size;
+        let mut times = FrameTimes::default();
+        let mut rgba = vec![[0.0; 4]; size[0] as usize * size[1] as usize];
+        let mut read_back_ms = 0.0;
+        self.pieces(
+            job,
+            false,
+            |backend, piece| {
+                let start = Instant::now();
+                let pixels: Vec<[f32; 4]> = backend.read(&backend.target, piece)?;
+                place(&pixels, piece, size, &mut rgba);
+                read_back_ms += ms_since(start);
+                Ok(())
+            },
+            &mut times,
+        )?;
+        Ok((Picture { size, rgba }, times, read_back_ms))
+    }
+
+    /// Draws a picture with counters: the same bits.
+    pub(super) fn count(&mut self, job: &Job) -> Result<CountedPicture> {
+        let size = job.scene.frame.size;
+        let pixels = size[0] as usize * size[1] as usize;
+        let mut rgba = vec![[0.0; 4]; pixels];
+        let mut work = vec![[0_u32; 4]; pixels];
+        self.pieces(
+            job,
+            true,
+            |backend, piece| {
+                let colors: Vec<[f32; 4]> = backend.read(&backend.target, piece)?;
+                place(&colors, piece, size, &mut rgba);
+                let counts: Vec<[u32; 4]> = backend.read(&backend.work, piece)?;
+                place(&counts, piece, size, &mut work);
+                Ok(())
+            },
+            &mut FrameTimes::default(),
+        )?;
+        let sum = |i: usize| work.iter().map(|w| u64::from(w[i])).sum();
+        let hit = |w: &[u32; 4]| {
+            if w[1] == 0 {
+                f32::INFINITY
+            } else {
+                f32::from_bits(w[3])
+            }
+        };
+        Ok(CountedPicture {
+            picture: Picture { size, rgba },
+            counters: Counters {
+                samples: sum(0),
+                contributing: sum(1),
+                skip_steps: sum(2),
+            },
+            samples: work.iter().map(|w| w[0]).collect(),
+            first_hit: work.iter().map(hit).collect(),
+        })
+    }
+
+    /// Draws a picture over targets of the caller's.
+    pub(super) fn render_to(&mut self, job: &Job, targets: &Targets) -> Result<FrameTimes> {
+        let kind = targets.kind();
+        if self.present.as_ref().is_none_or(|p| p.kind != kind) {
+            self.present = Some(self.gpu.checked(|| PresentPass::new(&self.gpu, kind))??);
+        }
+        let mut times = FrameTimes::default();
+        self.pieces(
+            job,
+            targets.depth.is_some(),
+            |backend, piece| {
+                let present = backend.present.as_ref().expect("made just above");
+                let buffers = [&backend.views, &backend.target, &backend.work].map(GrowBuffer::get);
+                backend.gpu.checked(|| {
+                    present.draw(&backend.gpu, targets, buffers, piece.origin, piece.size)
+                })
+            },
+            &mut times,
+        )?;
+        Ok(times)
+    }
+
+    fn read<T: bytemuck::Pod>(&self, buffer: &GrowBuffer, piece: &Piece) -> Result<Vec<T>> {
+        let len = piece.size[0] as usize * piece.size[1] as usize;
+        read_back(&self.gpu, buffer.get(), len)
+    }
+
+    /// Draws the picture piece by piece, hands each to `done` and adds up the times.
+    fn pieces(
+        &mut self,
+        job: &Job,
+        counts: bool,
+        mut done: impl FnMut(&mut Self, &Piece) -> Result<()>,
+        times: &mut FrameTimes,
+    ) -> Result<()> {
+        self.prepare(job)?;
+        let [width, height] = job.scene.frame.size;
+        let largest = MAX_TARGET.min(self.gpu.device.limits().max_texture_dimension_2d);
+        for y in (0..height).step_by(largest as usize) {
+            for x in (0..width).step_by(largest as usize) {
+                let size = [largest.min(width - x), largest.min(height - y)];
+                let piece = Piece {
+                    origin: [x, y],
+                    size,
+                };
+                let start = Instant::now();
+                self.draw_piece(job, &piece, counts)?;
+                self.gpu.wait()?;
+                times.frame_ms += ms_since(start);
+                match self.timer.read_ms(&self.gpu)? {
+                    Some(ms) => {
+                        times.raster_ms += if job.parts.is_empty() {
+                            0.0
+                        } else {
+                            ms[RASTER as usize]
+                        };
+                        times.cast_ms += ms[CAST as usize];
+                    }
+                    None => times.cast_ms = times.frame_ms,
+                }
+                done(self, &piece)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_piece(&mut self, job: &Job, piece: &Piece, counts: bool) -> Result<()> {
+        let Some(volume) = &self.volume else {
+            return Err(Error::Gpu("no volume was set".to_owned()));
+        };
+        if job.scene.sampler == Sampler::Hardware && !volume.filterable {
+            return Err(Error::setting(
+                "sampler",
+                format!(
+                    "{} does not filter this volume's format; use exact",
+                    self.gpu.info.name
+                ),
+            ));
+        }
+        let gpu = &self.gpu;
+        let frame = job.scene.frame;
+
+        // The tiles that can show anything.
+        let clip_from_local = job.camera.clip_from_local(frame.size);
+        let mut mask = TileMask::new(piece.size);
+        for &[low, high] in job.active {
+            mask.mark(&clip_from_local, frame.size, piece.origin, [low, high]);
+        }
+        let tile_list = mask.list();
+
+        // Uniforms.
+        let view = view_of(job, piece, &clip_from_local);
+        let dispatches = dispatches(job, tile_list.len() as u32, gpu.is_software());
+        let settings: Vec<u8> = dispatches
+            .iter()
+            .flat_map(|d| {
+                let settings = settings_of(job, volume, d);
+                let mut bytes = bytemuck::bytes_of(&settings).to_vec();
+                bytes.resize(SETTINGS_STRIDE as usize, 0);
+                bytes
+            })
+            .collect();
+        let pixels = u64::from(piece.size[0]) * u64::from(piece.size[1]);
+        let views = self.views.write(gpu, &[view]);
+        let settings_buffer = self.settings.write(gpu, &settings);
+        let tiles = self.tiles.write(gpu, &tile_list);
+        let target = self.target.reserve(gpu, pixels * 16);
+        let resumes = dispatches.iter().any(|d| d.resume || d.store_progress);
+        let progress = self
+            .progress
+            .reserve(gpu, if resumes { pixels * 4 } else { 0 });
+        let work = self.work.reserve(gpu, if counts { pixels * 16 } else { 0 });
+        let table = self.table.write(gpu, job.scene.table.rgba());
+
+        let segments = job.parts.len();
+        if self
+            .bounds
+            .as_ref()
+            .is_none_or(|b| !b.serves(piece.size, segments))
+        {
+            self.bounds = Some(gpu.checked(|| BoundsTexture::new(gpu, piece.size, segments))?);
+        }
+        let bounds = self.bounds.as_ref().expect("made just above");
+
+        let march = March {
+            sampler: job.scene.sampler,
+            mode: job.scene.mode,
+            counts,
+        };
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("frame"),
+            });
+        encoder.clear_buffer(target, 0, Some(pixels * 16));
+        if counts {
+            encoder.clear_buffer(work, 0, Some(pixels * 16));
+        }
+        if segments > 0 {
+            let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("view"),
+                layout: &self.view_layout,
+                entries: &[wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: views.as_entire_binding(),
+                }],
+            });
+            let parts: Vec<_> = job
+                .parts
+                .iter()
+                .map(|p| self.kept_faces[&p.key].as_ref())
+                .collect();
+            let voxel_size = job.scene.volume.voxel_size();
+            let position = |axis: usize, plane: u16| {
+                (f64::from(plane) * job.block as f64 * voxel_size[axis]).min(frame.extent[axis])
+            };
+            let viewer = viewer_of(job);
+            self.faces.draw(
+                &mut encoder,
+                bounds,
+                &group,
+                &parts,
+                &viewer,
+                position,
+                (&self.timer, RASTER),
+            );
+            self.timer.resolve(&mut encoder, RASTER);
+        }
+        let filter = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("volume"),
+            mag_filter: if volume.filterable {
+                wgpu::FilterMode::Linear
+            } else {
+                wgpu::FilterMode::Nearest
+            },
+            min_filter: if volume.filterable {
+                wgpu::FilterMode::Linear
+            } else {
+                wgpu::FilterMode::Nearest
+            },
+            ..Default::default()
+        });
+        let scene_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("march scene"),
+            layout: &self.march.scene_layout,
+            entries: &[
+                bind(0, views.as_entire_binding()),
+                bind(
+                    1,
+                    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer: settings_buffer,
+                        offset: 0,
+                        size: wgpu::BufferSize::new(size_of::<MarchSettings>() as u64),
+                    }),
+                ),
+                bind(2, tiles.as_entire_binding()),
+                bind(3, target.as_entire_binding()),
+                bind(4, progress.as_entire_binding()),
+                bind(5, wgpu::BindingResource::TextureView(&volume.view)),
+                bind(6, wgpu::BindingResource::Sampler(&filter)),
+                bind(7, table.as_entire_binding()),
+            ],
+        });
+        let skip_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("march skip"),
+            layout: &self.march.skip_layout,
+            entries: &[
+                bind(0, wgpu::BindingResource::TextureView(&bounds.all)),
+                bind(1, work.as_entire_binding()),
+            ],
+        });
+        let pipeline = self.march.pipeline(gpu, march)?;
+        let last = dispatches.len() - 1;
+        for (i, dispatch) in dispatches.iter().enumerate() {
+            let place = Place {
+                span: CAST,
+                first: i == 0,
+                last: i == last,
+            };
+            {
+                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                    label: Some("march"),
+                    timestamp_writes: self.timer.compute(place),
+                });
+                if dispatch.tile_count > 0 {
+                    pass.set_pipeline(pipeline);
+                    pass.set_bind_group(0, &scene_group, &[(i as u64 * SETTINGS_STRIDE) as u32]);
+                    pass.set_bind_group(1, &skip_group, &[]);
+                    let rows = dispatch.tile_count.div_ceil(TILES_PER_ROW);
+                    pass.dispatch_workgroups(dispatch.tile_count.min(TILES_PER_ROW), rows, 1);
+                }
+            }
+            if i == last {
+                self.timer.resolve(&mut encoder, CAST);
+            } else if dispatch.submit {
+                // Each on its own, so that a watchdog sees short work and a cancelled frame ends soon.
+                gpu.queue.submit([encoder.finish()]);
+                gpu.wait()?;
+                if self.progress_of_job.is_cancelled() {
+                    return Err(Error::Cancelled);
+                }
+                encoder = gpu
+                    .device
+                    .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                        label: Some("frame, continued"),
+                    });
+            }
+        }
+        gpu.queue.submit([encoder.finish()]);
+        Ok(())
+    }
+}
+
+/// Workgroups per row of a dispatch: below the 65,535 that every adapter allows.
+const TILES_PER_ROW: u32 = 32_768;
+
+/// One dispatch of the march.
+struct Dispatch {
+    tile_first: u32,
+    tile_count: u32,
+    resume: bool,
+    store_progress: bool,
+    /// Whether to hand it to the device on its own.
+    submit: bool,
+}
+
+/// Cuts a march into dispatches of bounded length.
+fn dispatches(job: &Job, tile_count: u32, is_software: bool) -> Vec<Dispatch> {
+    let longest = job.scene.frame.max_samples();
+    let rounds = ((longest / f64::from(MAX_ITERATIONS)).ceil() as u32).max(1);
+    let per_tile = longest.min(f64::from(MAX_ITERATIONS)) as u64 * u64::from(TILE * TILE);
+    // A software driver has no watchdog, and splitting costs it a barrier.
+    let tiles_at_once = if is_software && rounds == 1 {
+        tile_count.max(1)
+    } else {
+        ((MAX_SAMPLES_PER_DISPATCH / per_tile.max(1)) as u32).clamp(1, tile_count.max(1))
+    };
+    let mut list = Vec::new();
+    for round in 0..rounds {
+        for tile_first in (0..tile_count.max(1)).step_by(tiles_at_once as usize) {
+            list.push(Dispatch {
+                tile_first,
+                tile_count: tiles_at_once.min(tile_count - tile_first.min(tile_count)),
+                resume: round > 0,
+                store_progress: round + 1 < rounds,
+                submit: true,
+            });
+        }
+    }
+    list
+}
+
+fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch) -> MarchSettings {
+    let domain = job.scene.table.domain();
+    let dims = job.scene.volume.dims.map(|n| n as f32);
+    let near_mask = job
+        .parts
+        .iter()
+        .enumerate()
+        .map(|(i, p)| u32::from(p.starts_near) << i)
+        .sum();
+    MarchSettings {
+        dims,
+        x_scale: (domain.scale * volume.stored_per_raw) as f32,
+        inverse_dims: dims.map(|n| 1.0 / n),
+        raw_origin: ((domain.origin - volume.stored_at_zero) / volume.stored_per_raw) as f32,
+        entries: domain.entries as f32,
+        snap: domain.snap() as f32,
+        // Never means never, even where a sample is opaque.
+        ert: if job.scene.ert >= 1.0 {
+            f32::MAX
+        } else {
+            job.scene.ert
+        },
+        segment_count: job.parts.len() as u32,
+        near_mask,
+        tile_count: dispatch.tile_count,
+        tiles_per_row: TILES_PER_ROW,
+        max_iterations: MAX_ITERATIONS,
+        resume: u32::from(dispatch.resume),
+        store_progress: u32::from(dispatch.store_progress),
+        tile_first: dispatch.tile_first,
+        pad1: 0,
+    }
+}
+
+fn view_of(job: &Job, piece: &Piece, clip_from_local: &glam::DMat4) -> View {
+    let frame = job.scene.frame;
+    let v = |v: DVec3| v.as_vec3().to_array();
+    // The rasteriser sees the piece: zoom the picture's clip space into it.
+    let [w, h] = frame.size.map(f64::from);
+    let [pw, ph] = piece.size.map(f64::from);
+    let [x, y] = piece.origin.map(f64::from);
+    let zoom = glam::DMat4::from_cols(
+        glam::DVec4::new(w / pw, 0.0, 0.0, 0.0),
+        glam::DVec4::new(0.0, h / ph, 0.0, 0.0),
+        glam::DVec4::Z,
+        glam::DVec4::new((w - 2.0 * x) / pw - 1.0, 1.0 - (h - 2.0 * y) / ph, 0.0, 1.0),
+    );
+    // Rays start at most a thousandth of the box before it; grown faces stick out a little.
+    let depth = frame.extent.length() * 1.01 + 2.0 * grow_of(job);
+    View {
+        start: v(frame.start),
+        step: frame.step as f32,
+        start_dx: v(frame.start_dx),
+        depth_scale: f32::exp2(-(depth.log2().ceil() as f32)),
+        start_dy: v(frame.start_dy),
+        grow: grow_of(job) as f32,
+        dir: v(frame.dir),
+        block: job.block as f32,
+        dir_dx: v(frame.dir_dx),
+        start_depth: (frame.start - job.camera.eye).dot(job.camera.forward()) as f32,
+        dir_dy: v(frame.dir_dy),
+        pad1: 0.0,
+        extent: v(frame.extent),
+        pad2: 0.0,
+        grid_from_local: v(frame.grid_from_local),
+        pad3: 0.0,
+        centre: frame.size.map(|n| (f64::from(n) * 0.5 - 0.5) as f32),
+        origin: piece.origin,
+        size: piece.size,
+        pad4: [0; 2],
+        clip_from_local: (zoom * *clip_from_local).as_mat4().to_cols_array_2d(),
+    }
+}
+
+/// How far faces grow: a quarter voxel, and where the whole box covers few pixels, enough that the rasteriser's
+/// snapping to 1/256 of a pixel loses none.
+fn grow_of(job: &Job) -> f64 {
+    let extent = job.scene.volume.extent();
+    let pixel = match job.camera.projection {
+        Projection::Perspective { fov_y_degrees } => {
+            let farthest = (job.camera.eye - extent * 0.5).length() + extent.length() * 0.5;
+            farthest * (fov_y_degrees.to_radians() * 0.5).tan() * 2.0
+                / f64::from(job.scene.frame.size[1])
+        }
+        Projection::Orthographic { height } => height / f64::from(job.scene.frame.size[1]),
+    };
+    (pixel / 64.0).max(0.25)
+}
+
+fn viewer_of(job: &Job) -> Viewer {
+    let parallel = matches!(job.camera.projection, Projection::Orthographic { .. })
+        .then(|| job.camera.forward());
+    Viewer {
+        eye: job.camera.eye,
+        parallel,
+        grow: grow_of(job),
+    }
+}
+
+fn bind(binding: u32, resource: wgpu::BindingResource<'_>) -> wgpu::BindGroupEntry<'_> {
+    wgpu::BindGroupEntry { binding, resource }
+}
+
+/// Puts a piece where it belongs in the picture.
+fn place<T: Copy>(from: &[T], piece: &Piece, size: [u32; 2], to: &mut [T]) {
+    let width = piece.size[0] as usize;
+    for (row, pixels) in from.chunks_exact(width).enumerate() {
+        let at = (piece.origin[1] as usize + row) * size[0] as usize + piece.origin[0] as usize;
+        to[at..at + width].copy_from_slice(pixels);
+    }
+}
+
+fn ms_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
