@@ -1,7 +1,7 @@
 //! Packets in AVX2 registers: the one place with intrinsics.
 //!
 //! Plain `core::arch` instead of a portable crate: the shared arithmetic ([`Real`]) makes constants without a token that
-//! proves the instruction set, which crates with runtime dispatch (fearless_simd) ask for, and crates without (wide) are
+//! proves the instruction set, which crates with runtime dispatch (`fearless_simd`) ask for, and crates without (`wide`) are
 //! bound at compile time; gathers, half of this file, none of them has.
 //!
 //! # Safety
@@ -14,6 +14,8 @@
 //!
 //! *Bounds.* Every gather and load clamps or tests its indices, unsigned, in the same function.
 #![allow(unsafe_code)]
+// Intrinsics carry their own prefix; a list of sixty names says no more.
+#![allow(clippy::wildcard_imports)]
 
 use std::any::TypeId;
 use std::arch::x86_64::*;

@@ -65,6 +65,8 @@ impl Cells {
 
 /// Bit i: whether voxel i, of at most 32, lies outside [low, high].
 #[inline(always)]
+// Lazy operators would be branches.
+#[allow(clippy::needless_bitwise_bool)]
 fn outside<V: Voxel>(voxels: &[V], low: V, high: V) -> u32 {
     if let Ok(voxels) = <&[V; 32]>::try_from(voxels) {
         // Compared as bytes, which compilers vectorise, then eight bytes at a time gathered by one multiplication.

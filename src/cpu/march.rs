@@ -32,7 +32,7 @@ pub(super) struct Job<'a, V> {
 #[derive(Debug)]
 pub(super) enum Skipping {
     Box,
-    Layers(BeamMasks, Collapse),
+    Layers(Box<BeamMasks>, Collapse),
     Distance(DistanceMap),
 }
 

@@ -118,7 +118,8 @@ impl CpuPlan {
                 ),
             ));
         }
-        let layers = |collapse| Skipping::Layers(BeamMasks::new(occupancy.clone()), collapse);
+        let layers =
+            |collapse| Skipping::Layers(Box::new(BeamMasks::new(occupancy.clone())), collapse);
         let skipping = match skip {
             Skip::Box => Skipping::Box,
             Skip::Hull => layers(Collapse::Hull),
@@ -136,10 +137,10 @@ impl CpuPlan {
             }
             _ => None,
         };
-        let path = *Path::ALL
+        let path = Path::ALL
             .iter()
             .find(|path| path.is_available(volume.dims))
-            .expect("the scalar path is always available");
+            .map_or(Path::Scalar, |&path| path);
         Ok(Self {
             skip,
             path,

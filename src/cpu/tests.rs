@@ -147,10 +147,7 @@ impl Case {
             state ^= state >> 27;
             (state.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 40) as f64 / f64::from(1 << 24)
         };
-        let range = match self.voxel_type.integer_range() {
-            Some(range) => range,
-            None => [-3.5, 1000.25],
-        };
+        let range = self.voxel_type.integer_range().unwrap_or([-3.5, 1000.25]);
         let count = self.dims.iter().product::<usize>();
         let stored: Vec<f64> = (0..count)
             .map(|_| {
