@@ -51,9 +51,20 @@ fn main() -> Result<()> {
         "median ms a frame over {} views x {rounds} rounds, interleaved; two threads",
         views.len()
     );
+    println!("cpu: processor ms of both threads; ns/smp: processor time a sample");
     println!(
-        "{:>8} {:>14} {:>9} {:>9} {:>9} {:>11} {:>11} {:>8} {:>8}",
-        "step", "method", "ms", "least", "x box", "samples/px", "contrib/px", "skip/px", "ns/smp"
+        "{:>8} {:>14} {:>9} {:>9} {:>9} {:>7} {:>7} {:>10} {:>10} {:>8} {:>7}",
+        "step",
+        "method",
+        "median",
+        "least",
+        "cpu",
+        "x box",
+        "x cpu",
+        "samples/px",
+        "contrib/px",
+        "skip/px",
+        "ns/smp"
     );
     for parts in STEPS_OF_EDGE {
         let table = table(&volume, parts * edge)?;
@@ -91,15 +102,17 @@ fn main() -> Result<()> {
             let pixels = f64::from(SIZE[0] * SIZE[1]) * frames.len() as f64;
             let per_pixel = counters.map(|c| c as f64 / pixels);
             println!(
-                "{parts:>7}u {:>14} {:>9.1} {:>9.1} {:>9.2} {:>11.1} {:>11.1} {:>8.1} {:>8.2}",
+                "{parts:>7}u {:>14} {:>9.1} {:>9.1} {:>9.1} {:>7.2} {:>7.2} {:>10.1} {:>10.1} {:>8.1} {:>7.2}",
                 plan.skip().method().name,
-                median(ms),
-                least(ms),
-                median(&times[0]) / median(ms),
+                ms.median(),
+                ms.least(),
+                ms.mean_cpu(),
+                times[0].median() / ms.median(),
+                times[0].mean_cpu() / ms.mean_cpu(),
                 per_pixel[0],
                 per_pixel[1],
                 per_pixel[2],
-                median(ms) * 1e6 / (per_pixel[0] * pixels / frames.len() as f64),
+                ms.mean_cpu() * 1e6 / (per_pixel[0] * pixels / frames.len() as f64),
             );
         }
         if parts == STEPS_OF_EDGE[0] {
@@ -133,12 +146,7 @@ fn variants(
             frames,
         )?;
         for (tile, ms) in tiles.iter().zip(&times) {
-            println!(
-                "  {} tile {tile:>2}: {:.1} ms, least {:.1}",
-                skip.method().name,
-                median(ms),
-                least(ms)
-            );
+            println!("  {} tile {tile:>2}: {ms}", skip.method().name);
         }
         for threads in [1, 2] {
             let pool = rayon::ThreadPoolBuilder::new()
@@ -146,44 +154,28 @@ fn variants(
                 .build()?;
             let ms = pool
                 .install(|| interleaved(rounds.div_ceil(2), &[&plans[1]], volume, table, frames))?;
-            println!(
-                "  {} threads {threads}: {:.1} ms, least {:.1}",
-                skip.method().name,
-                median(&ms[0]),
-                least(&ms[0])
-            );
+            println!("  {} threads {threads}: {}", skip.method().name, ms[0]);
         }
     }
     let scalar =
         CpuPlan::new(Skip::BeamMasks, volume, table, occupancy)?.with(Path::Scalar, cpu::TILE)?;
     let ms = interleaved(1, &[&scalar], volume, table, frames)?;
-    println!("  beam-masks scalar twin: {:.1} ms", median(&ms[0]));
+    println!("  beam-masks scalar twin: {}", ms[0]);
     // One active block in a corner: what a frame costs whatever it shows.
     let mut one = Occupancy::new(volume.dims, BLOCK);
     one.set([0, 0, 0]);
     let plan = CpuPlan::new(Skip::BeamMasks, volume, table, &one)?;
     let ms = interleaved(rounds, &[&plan], volume, table, frames)?;
-    println!(
-        "  fixed cost (one active block): {:.2} ms, least {:.2}",
-        median(&ms[0]),
-        least(&ms[0])
-    );
+    println!("  fixed cost (one active block): {}", ms[0]);
     for skip in [Skip::BeamMasks, Skip::DistanceMap] {
-        let ms: Vec<f64> = (0..rounds)
-            .map(|_| {
-                let start = Instant::now();
-                let plan = CpuPlan::new(skip, volume, table, occupancy).expect("as above");
-                let ms = start.elapsed().as_secs_f64() * 1e3;
-                std::hint::black_box(plan);
-                ms
-            })
-            .collect();
-        println!(
-            "  plan {}: {:.1} ms, least {:.1}",
-            skip.method().name,
-            median(&ms),
-            least(&ms)
-        );
+        let mut times = Times::default();
+        for _ in 0..rounds {
+            let (cpu, start) = (cpu_ms(), Instant::now());
+            std::hint::black_box(CpuPlan::new(skip, volume, table, occupancy)?);
+            times.wall_ms.push(start.elapsed().as_secs_f64() * 1e3);
+            times.cpu_ms += cpu_ms() - cpu;
+        }
+        println!("  plan {}: {times}", skip.method().name);
     }
     Ok(())
 }
@@ -199,15 +191,64 @@ fn scene<'a>(volume: &'a Volume, table: &'a Table, frame: &'a RayFrame) -> Scene
     }
 }
 
-/// Milliseconds of every run of every plan, one run of each in turn.
+/// Milliseconds of the runs of one plan.
+#[derive(Default)]
+struct Times {
+    /// Wall time of each run.
+    wall_ms: Vec<f64>,
+    /// Processor time of all runs and threads together: what other programs on the machine disturb least.
+    cpu_ms: f64,
+}
+
+impl Times {
+    fn median(&self) -> f64 {
+        let mut sorted = self.wall_ms.clone();
+        sorted.sort_by(f64::total_cmp);
+        sorted[sorted.len() / 2]
+    }
+
+    fn least(&self) -> f64 {
+        self.wall_ms.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+
+    fn mean_cpu(&self) -> f64 {
+        self.cpu_ms / self.wall_ms.len() as f64
+    }
+}
+
+impl std::fmt::Display for Times {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(
+            f,
+            "median {:.2} ms, least {:.2}, processor {:.2}",
+            self.median(),
+            self.least(),
+            self.mean_cpu()
+        )
+    }
+}
+
+/// Processor time of this process so far, where the system tells (Linux); else 0.
+fn cpu_ms() -> f64 {
+    let Ok(threads) = std::fs::read_dir("/proc/self/task") else {
+        return 0.0;
+    };
+    let nanoseconds = threads.flatten().filter_map(|thread| {
+        let text = std::fs::read_to_string(thread.path().join("schedstat")).ok()?;
+        text.split_whitespace().next()?.parse::<f64>().ok()
+    });
+    nanoseconds.sum::<f64>() * 1e-6
+}
+
+/// Times of every plan, one run of each in turn.
 fn interleaved(
     rounds: usize,
     plans: &[&CpuPlan],
     volume: &Volume,
     table: &Table,
     frames: &[RayFrame],
-) -> Result<Vec<Vec<f64>>> {
-    let mut times = vec![Vec::new(); plans.len()];
+) -> Result<Vec<Times>> {
+    let mut times: Vec<Times> = plans.iter().map(|_| Times::default()).collect();
     let mut picture = Picture {
         size: SIZE,
         rgba: Vec::new(),
@@ -216,26 +257,18 @@ fn interleaved(
     for round in 0..=rounds {
         for frame in frames {
             for (plan, times) in plans.iter().zip(&mut times) {
+                let cpu = cpu_ms();
                 let start = Instant::now();
                 cpu::render_into(&scene(volume, table, frame), plan, &cancel, &mut picture)?;
                 // The first round warms up.
                 if round > 0 {
-                    times.push(start.elapsed().as_secs_f64() * 1e3);
+                    times.wall_ms.push(start.elapsed().as_secs_f64() * 1e3);
+                    times.cpu_ms += cpu_ms() - cpu;
                 }
             }
         }
     }
     Ok(times)
-}
-
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 2]
-}
-
-fn least(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::INFINITY, f64::min)
 }
 
 /// Transparent up to 40, rising to an opacity of 0.3 a voxel at 255.

@@ -212,8 +212,11 @@ impl<R: Real> RayBasis<R> {
         let far = R::splat(1e30);
         let px = x - self.centre[0];
         let py = y - self.centre[1];
-        let affine = |m: &[[R; 3]; 3], a: usize| m[0][a] + px * m[1][a] + py * m[2][a];
-        let v: [R; 3] = std::array::from_fn(|a| affine(&self.dir, a));
+        let v = [
+            affine(&self.dir, 0, px, py),
+            affine(&self.dir, 1, px, py),
+            affine(&self.dir, 2, px, py),
+        ];
         let norm = one / (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
 
         let mut t_in = -far;
@@ -221,7 +224,7 @@ impl<R: Real> RayBasis<R> {
         let mut origin = [zero; 3];
         let mut d = [zero; 3];
         for a in 0..3 {
-            origin[a] = affine(&self.start, a);
+            origin[a] = affine(&self.start, a, px, py);
             let raw = v[a] * norm;
             let parallel = raw.abs().lt(R::splat(PARALLEL));
             d[a] = R::select(parallel, zero, raw);
@@ -244,14 +247,26 @@ impl<R: Real> RayBasis<R> {
             .ceil()
             .max(zero);
         let k_end = (length / self.step - half_and_edge).ceil().max(zero);
+        let mut entry = [zero; 3];
+        let mut delta = [zero; 3];
+        for a in 0..3 {
+            entry[a] = (origin[a] + t_box * d[a]) * self.grid_from_local[a];
+            delta[a] = d[a] * self.step * self.grid_from_local[a];
+        }
         Ray {
-            entry: std::array::from_fn(|a| (origin[a] + t_box * d[a]) * self.grid_from_local[a]),
-            delta: std::array::from_fn(|a| d[a] * self.step * self.grid_from_local[a]),
+            entry,
+            delta,
             k_near,
             k_end,
             t_box,
         }
     }
+}
+
+/// A vector that is affine in the pixel. A function, not a closure: see [`crate::sample::trilinear`].
+#[inline(always)]
+fn affine<R: Real>(m: &[[R; 3]; 3], axis: usize, px: R, py: R) -> R {
+    m[0][axis] + px * m[1][axis] + py * m[2][axis]
 }
 
 #[cfg(test)]

@@ -212,7 +212,17 @@ impl Packet for Wide {
     #[inline(always)]
     fn bytes(bytes: &[u8], index: __m256i) -> Self {
         // A gather reads four bytes: those that end with the wanted one where it is not among the first three.
-        assert!(bytes.len() >= 4 && i32::try_from(bytes.len()).is_ok());
+        if bytes.len() < 4 {
+            let mut lanes = [0u32; LANES];
+            // SAFETY: instruction set, see above; the array has the 32 bytes that are written.
+            unsafe { _mm256_storeu_si256(lanes.as_mut_ptr().cast(), index) };
+            let lanes = lanes.map(|i| f32::from(bytes[(i as usize).min(bytes.len() - 1)]));
+            return Self::from_lanes(lanes);
+        }
+        assert!(
+            i32::try_from(bytes.len()).is_ok(),
+            "gathers have signed indices"
+        );
         // SAFETY: instruction set, see above; addresses are clamped, unsigned, to the last that has four bytes.
         unsafe {
             let last = _mm256_set1_epi32(bytes.len() as i32 - 1);

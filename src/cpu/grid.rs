@@ -34,10 +34,9 @@ impl<V: Voxel> Grid<'_, V> {
             let inside = position[a].max(P::splat(0.5)).min(upper);
             (lower[a], fraction[a]) = sample::cell(inside);
         }
-        let [x, y, z] = lower.map(P::to_index);
         Cell {
-            x,
-            row: P::mul_add_index(z, self.dims[1], y),
+            x: lower[0].to_index(),
+            row: P::mul_add_index(lower[2].to_index(), self.dims[1], lower[1].to_index()),
             fraction,
         }
     }

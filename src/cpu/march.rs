@@ -222,10 +222,16 @@ impl<'a, P: Packet, V: Voxel, const COUNT: bool> Marcher<'a, P, V, COUNT> {
                 return;
             }
             let at = self.ray.at(k);
-            let block: [P; 3] = std::array::from_fn(|a| map.block_at(a, at[a]));
-            let [x, y, z] = block.map(P::to_index);
-            let row = P::mul_add_index(z, map.dims[1], y);
-            let distance = P::bytes(map.distances(), P::mul_add_index(row, map.dims[0], x));
+            let block = [
+                map.block_at(0, at[0]),
+                map.block_at(1, at[1]),
+                map.block_at(2, at[2]),
+            ];
+            let row = P::mul_add_index(block[2].to_index(), map.dims[1], block[1].to_index());
+            let distance = P::bytes(
+                map.distances(),
+                P::mul_add_index(row, map.dims[0], block[0].to_index()),
+            );
             let active = P::and(live, distance.lt(one));
             let leap = map.leap(&self.ray, at, block, distance);
             if COUNT {
@@ -253,7 +259,8 @@ impl<'a, P: Packet, V: Voxel, const COUNT: bool> Marcher<'a, P, V, COUNT> {
             Tally::count(&mut self.tally.samples, wanted);
         }
         let x = (job.grid.value(cell) - P::splat(job.base)) * P::splat(job.scale);
-        let [low, high] = job.background.map(P::splat);
+        let low = P::splat(job.background[0]);
+        let high = P::splat(job.background[1]);
         let outside = P::and(wanted, P::or(x.lt(low), high.lt(x)));
         if !P::any(outside) {
             return;
@@ -261,8 +268,10 @@ impl<'a, P: Packet, V: Voxel, const COUNT: bool> Marcher<'a, P, V, COUNT> {
         let entries = P::splat(job.rows.len() as f64);
         let (entry, fraction) = lookup(x, entries, P::splat(job.snap));
         let columns = P::rows(job.rows, entry);
-        let sample: [P; 4] =
-            std::array::from_fn(|c| (columns[c] + fraction * columns[c + 4]).keep(outside));
+        let mut sample = [P::splat(0.0); 4];
+        for (c, sample) in sample.iter_mut().enumerate() {
+            *sample = (columns[c] + fraction * columns[c + 4]).keep(outside);
+        }
         self.state.add(sample);
         let done = self.state.done(P::splat(job.threshold));
         self.end = P::select(done, P::splat(0.0), self.end);

@@ -352,3 +352,6 @@ fn draw_tile<V: Voxel, O: Pixel>(
         Path::Scalar => tile::draw::<packet::Lanes, V, O>(job, area, rows),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -80,7 +80,7 @@ pub(super) trait Packet: Real {
     fn corners<V: Voxel>(grid: &Grid<'_, V>, lower: Self::Index) -> [[[Self; 2]; 2]; 2];
     /// Bit `index % 32` of word `index / 32`; indices beyond the words read the last one.
     fn test_bits(words: &[u32], index: Self::Index) -> Self::Mask;
-    /// Bytes at the indices, as numbers; indices beyond the bytes read the last one. There are at least four.
+    /// Bytes at the indices, as numbers; indices beyond the bytes read the last one.
     fn bytes(bytes: &[u8], index: Self::Index) -> Self;
     /// The columns of the table rows at these lanes (integers); beyond the table: its last row.
     fn rows(table: &[[f32; 8]], row: Self) -> [Self; 8];

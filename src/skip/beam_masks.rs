@@ -335,3 +335,69 @@ impl TileRuns {
         [first, end]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::skip::support::{check_ray, scenes};
+
+    proptest! {
+        /// Segments ascend, do not meet, lie in the box, and leave out only what an inactive block answers for.
+        #[test]
+        fn runs_cover_what_is_active(
+            scene in scenes(),
+            collapse in prop::sample::select(vec![Collapse::Runs, Collapse::Hull, Collapse::Halves]),
+        ) {
+            let masks = BeamMasks::new(scene.occupancy.clone());
+            let mut runs = TileRuns::default();
+            let [width, height] = scene.frame.size;
+            masks.find(&scene.frame, 0..width, 0..height, collapse, &mut runs);
+            match collapse {
+                Collapse::Runs => {}
+                Collapse::Hull => prop_assert!(runs.len() <= 1),
+                Collapse::Halves => prop_assert!(runs.len() <= 2),
+            }
+            for (_, ray) in scene.rays() {
+                let mut found = Vec::new();
+                let mut k = ray.k_near;
+                for i in 0..runs.len() {
+                    let [first, end] = runs.range(&ray, i);
+                    if first.max(k) < end {
+                        found.push(first.max(k) as u32..end as u32);
+                    }
+                    k = end.max(k);
+                }
+                check_ray(&scene.occupancy, &ray, &found)?;
+            }
+        }
+    }
+
+    #[test]
+    fn more_than_64_layers_are_told_apart() {
+        let mut occupancy = Occupancy::new([4, 4, 600], 4);
+        for layer in [3, 70, 149] {
+            occupancy.set([0, 0, layer]);
+        }
+        let frame = RayFrame {
+            start: glam::DVec3::new(2.0, 2.0, -1.0),
+            start_dx: glam::DVec3::X * 0.1,
+            start_dy: glam::DVec3::Y * 0.1,
+            dir: glam::DVec3::Z,
+            dir_dx: glam::DVec3::ZERO,
+            dir_dy: glam::DVec3::ZERO,
+            extent: glam::DVec3::new(4.0, 4.0, 600.0),
+            grid_from_local: glam::DVec3::ONE,
+            step: 1.0,
+            size: [8, 8],
+        };
+        let mut runs = TileRuns::default();
+        BeamMasks::new(occupancy).find(&frame, 0..8, 0..8, Collapse::Runs, &mut runs);
+        assert_eq!(runs.len(), 3);
+        let ray = frame.basis::<f64>().ray(3.0, 3.0);
+        // Layer 70 is [280, 284]; half a voxel at both ends is answered for by its neighbours, give or take the slack.
+        let [first, end] = runs.range(&ray, 1);
+        assert!((280.0..=281.0).contains(&first) && (283.0..=284.0).contains(&end));
+    }
+}

@@ -186,3 +186,59 @@ impl Segments for RaySegments<'_> {
         self.steps
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::skip::support::{check_ray, scenes};
+
+    fn chebyshev(a: [usize; 3], b: [usize; 3]) -> usize {
+        (0..3).map(|i| a[i].abs_diff(b[i])).max().unwrap_or(0)
+    }
+
+    proptest! {
+        /// The passes give the distance by definition.
+        #[test]
+        fn distances_are_chebyshev_s(scene in scenes()) {
+            let map = DistanceMap::new(&scene.occupancy);
+            let blocks = |occupancy: &Occupancy| -> Vec<[usize; 3]> {
+                let [nx, ny, nz] = occupancy.dims;
+                (0..nx * ny * nz).map(|i| [i % nx, i / nx % ny, i / nx / ny]).collect()
+            };
+            let all = blocks(&scene.occupancy);
+            let active: Vec<_> = all.iter().filter(|&&b| scene.occupancy.get(b)).collect();
+            for &block in &all {
+                let nearest = active.iter().map(|&&a| chebyshev(a, block)).min().unwrap_or(255);
+                prop_assert_eq!(usize::from(map.get(block)), nearest.min(255));
+            }
+        }
+
+        /// Segments ascend, do not meet, lie in the box, and leave out only what an inactive block answers for.
+        #[test]
+        fn segments_cover_what_is_active(scene in scenes()) {
+            let map = DistanceMap::new(&scene.occupancy);
+            for (_, ray) in scene.rays() {
+                let mut segments = map.segments(ray);
+                let mut found = Vec::new();
+                let mut k = 0;
+                while let Some(segment) = segments.next(k, f64::NAN) {
+                    k = segment.end;
+                    found.push(segment);
+                }
+                check_ray(&scene.occupancy, &ray, &found)?;
+            }
+        }
+    }
+
+    #[test]
+    fn distances_saturate() {
+        let mut occupancy = Occupancy::new([600, 2, 1], 2);
+        occupancy.set([299, 0, 0]);
+        let map = DistanceMap::new(&occupancy);
+        assert_eq!(map.get([0, 0, 0]), 255);
+        assert_eq!(map.get([44, 0, 0]), 255);
+        assert_eq!(map.get([45, 0, 0]), 254);
+    }
+}

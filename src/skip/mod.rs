@@ -15,6 +15,9 @@ mod traversal;
 pub use half_split::HalfSplit;
 pub use hull::Hull;
 
+#[cfg(test)]
+mod support;
+
 use std::ops::Range;
 
 use glam::DVec3;
