@@ -148,6 +148,9 @@ pub fn matrix() -> Vec<Case> {
 }
 
 /// Cases in which every pair of two settings' values occurs together, chosen greedily from [`matrix`].
+///
+/// # Panics
+/// Never: cases are made of the values that are looked up.
 pub fn pairwise() -> Vec<Case> {
     let all = matrix();
     let key = |c: &Case| {

@@ -272,7 +272,7 @@ impl GpuBackend {
                 let present = backend.present.as_ref().expect("made just above");
                 let buffers = [&backend.views, &backend.target, &backend.work].map(GrowBuffer::get);
                 backend.gpu.checked(|| {
-                    present.draw(&backend.gpu, targets, buffers, piece.origin, piece.size)
+                    present.draw(&backend.gpu, targets, buffers, piece.origin, piece.size);
                 })
             },
             &mut times,
@@ -410,10 +410,6 @@ impl GpuBackend {
                 .iter()
                 .map(|p| self.kept_faces[&p.key].as_ref())
                 .collect();
-            let voxel_size = job.scene.volume.voxel_size();
-            let position = |axis: usize, plane: u16| {
-                (f64::from(plane) * job.block as f64 * voxel_size[axis]).min(frame.extent[axis])
-            };
             let viewer = viewer_of(job);
             self.faces.draw(
                 &mut encoder,
@@ -421,7 +417,6 @@ impl GpuBackend {
                 &group,
                 &parts,
                 &viewer,
-                position,
                 (&self.timer, RASTER),
             );
             self.timer.resolve(&mut encoder, RASTER);
@@ -646,6 +641,8 @@ fn viewer_of(job: &Job) -> Viewer {
         eye: job.camera.eye,
         parallel,
         grow: grow_of(job),
+        block_size: job.scene.volume.voxel_size() * job.block as f64,
+        extent: job.scene.frame.extent,
     }
 }
 

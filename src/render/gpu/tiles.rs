@@ -129,7 +129,7 @@ mod tests {
                     let x = (clip.x / clip.w * 0.5 + 0.5) * 100.0;
                     let y = (0.5 - clip.y / clip.w * 0.5) * 70.0;
                     if clip.z > 0.0 && (0.0..100.0).contains(&x) && (0.0..70.0).contains(&y) {
-                        let tile = x as u32 / TILE | (y as u32 / TILE) << 16;
+                        let tile = (x as u32 / TILE) | ((y as u32 / TILE) << 16);
                         assert!(list.contains(&tile), "pixel {x} {y}");
                     }
                 }
