@@ -1,7 +1,8 @@
 //! The CPU backend on the Boston teapot, padded to a cube: every method, step, thread count and tile size in interleaved
 //! runs, as medians.
 //!
-//! `HOLLOWCAST_DATA=folder cargo bench --bench cpu -- [rounds]`; the folder holds `boston_teapot.nrrd`.
+//! `HOLLOWCAST_DATA=folder cargo bench --bench cpu -- [rounds] [method...]`; the folder holds `boston_teapot.nrrd`. With
+//! methods named, only those are measured.
 
 use std::io::Read;
 use std::path::Path as FilePath;
@@ -37,6 +38,15 @@ fn main() -> Result<()> {
         .skip(1)
         .find_map(|a| a.parse().ok())
         .unwrap_or(9);
+    let named: Vec<Skip> = std::env::args()
+        .skip(1)
+        .filter_map(|a| Skip::from_name(&a))
+        .collect();
+    let methods = if named.is_empty() {
+        METHODS.to_vec()
+    } else {
+        named.clone()
+    };
     let data = std::env::var("HOLLOWCAST_DATA").context("HOLLOWCAST_DATA names no folder")?;
     let volume = teapot(&FilePath::new(&data).join("boston_teapot.nrrd"))?;
     let edge = volume.extent().max_element();
@@ -76,7 +86,7 @@ fn main() -> Result<()> {
                     .ray_frame(&volume, SIZE, parts * edge)
             })
             .collect::<Result<_, _>>()?;
-        let plans: Vec<CpuPlan> = METHODS
+        let plans: Vec<CpuPlan> = methods
             .iter()
             .map(|&skip| CpuPlan::new(skip, &volume, &table, &occupancy))
             .collect::<Result<_, _>>()?;
@@ -115,7 +125,7 @@ fn main() -> Result<()> {
                 ms.mean_cpu() * 1e6 / (per_pixel[0] * pixels / frames.len() as f64),
             );
         }
-        if parts == STEPS_OF_EDGE[0] {
+        if parts == STEPS_OF_EDGE[0] && named.is_empty() {
             variants(rounds, &volume, &table, &occupancy, &frames)?;
         }
     }

@@ -44,6 +44,8 @@ pub struct BeamMasks {
 struct LayerSums {
     /// Blocks along the two other axes, in cyclic order.
     lateral: [usize; 2],
+    /// First and last layer that has an active block; none: the first lies above the last.
+    active: [usize; 2],
     /// `[layer][v][u]`, one more than there are blocks along u and v.
     sums: Vec<u32>,
 }
@@ -68,7 +70,24 @@ impl LayerSums {
                     }
                 }
             });
-        Self { lateral, sums }
+        let area = width * height;
+        let is_active = |layer: usize| sums[(layer + 1) * area - 1] > 0;
+        let layers = 0..occupancy.dims[axis];
+        let active = match layers.clone().find(|&layer| is_active(layer)) {
+            Some(first) => [
+                first,
+                layers
+                    .rev()
+                    .find(|&layer| is_active(layer))
+                    .unwrap_or(first),
+            ],
+            None => [1, 0],
+        };
+        Self {
+            lateral,
+            active,
+            sums,
+        }
     }
 
     /// Whether any block of `layer` is active in `u` x `v` (block indices, ends included, inside the grid).
@@ -110,6 +129,7 @@ impl BeamMasks {
     }
 
     /// Finds the runs of the tile of pixels `x` x `y` (not empty).
+    #[inline(always)]
     pub fn find(
         &self,
         frame: &RayFrame,
@@ -153,7 +173,13 @@ impl BeamMasks {
             runs.spans
                 .push(if ascending { [low, high] } else { [high, low] });
         };
-        for i in 0..layers {
+        let [first, last] = sums.active;
+        let order = if ascending {
+            first..last + 1
+        } else {
+            layers - 1 - last..layers - first
+        };
+        for i in order {
             let layer = if ascending { i } else { layers - 1 - i };
             let low = layer as f64 * block - REACH;
             let (Some(u), Some(v)) = (walls[0].blocks(low), walls[1].blocks(low)) else {
