@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use hollowcast::camera::{Camera, Orbit, Projection};
-use hollowcast::measure::verify::{self, View};
+use hollowcast::measure::verify::{self, Verifier, View};
 use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::Sampler;
@@ -77,9 +77,9 @@ fn skipping_changes_no_bit_of_any_phantom_in_any_pair_of_settings() {
         let volume = Arc::new(phantom::make(name, [41, 37, 48]).unwrap());
         renderer.set_volume(Arc::clone(&volume)).unwrap();
         renderer.set_transfer(transfer.clone());
+        let mut verifier = Verifier::new(&mut renderer, &volume, &transfer, [96, 96]);
         for case in verify::pairwise() {
-            for outcome in verify::run(&mut renderer, &volume, &transfer, &case, [96, 96]).unwrap()
-            {
+            for outcome in verifier.run(&case).unwrap() {
                 assert_eq!(outcome.differing_pixels, 0, "{name}: {case:?}: {outcome:?}");
             }
         }

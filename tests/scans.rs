@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hollowcast::measure::metrics::metrics;
-use hollowcast::measure::verify::{self, View};
+use hollowcast::measure::verify::{self, Verifier, View};
 use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::Sampler;
@@ -38,11 +38,12 @@ fn check(path: &Path, backend: BackendChoice) {
         renderer
     };
     let mut renderer = ready(backend);
+    let mut verifier = Verifier::new(&mut renderer, &volume, &transfer, [96, 96]);
     for case in verify::pairwise() {
         if case.sampler == Sampler::Hardware && backend != BackendChoice::Gpu {
             continue;
         }
-        for outcome in verify::run(&mut renderer, &volume, &transfer, &case, [96, 96]).unwrap() {
+        for outcome in verifier.run(&case).unwrap() {
             assert_eq!(
                 outcome.differing_pixels,
                 0,
