@@ -145,15 +145,6 @@ impl Packet for Wide {
         unsafe { _mm256_movemask_ps(mask) as u32 }
     }
     #[inline(always)]
-    fn from_bits(bits: u8) -> __m256 {
-        // SAFETY: instruction set, see above.
-        unsafe {
-            let lane = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-            let set = _mm256_and_si256(_mm256_set1_epi32(i32::from(bits)), lane);
-            _mm256_castsi256_ps(_mm256_cmpeq_epi32(set, lane))
-        }
-    }
-    #[inline(always)]
     fn keep(self, mask: __m256) -> Self {
         Self(Self::and(self.0, mask))
     }

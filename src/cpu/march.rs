@@ -184,43 +184,29 @@ impl<'a, P: Packet, V: Voxel, const COUNT: bool> Marcher<'a, P, V, COUNT> {
     }
 
     /// The same, where only samples in visible cells are looked at.
-    ///
-    /// Eight lattice points are tested in a row, without a branch that depends on what is found: it would be mispredicted
-    /// at every wall, and the next test's memory access could not start before.
     #[inline(always)]
     fn take_visible(&mut self, cells: &Cells, first: P, end: P) {
-        let length = (end.min(self.end) - first).to_lanes();
-        let length = length.iter().fold(0.0, |m: f32, &l| m.max(l)) as u32;
+        let one = P::splat(1.0);
+        let mut k = first;
         if COUNT {
-            Tally::count(&mut self.tally.skip_steps, first.lt(end.min(self.end)));
+            Tally::count(&mut self.tally.skip_steps, k.lt(end.min(self.end)));
         }
-        let mut from = 0;
-        while from < length {
-            let end = end.min(self.end);
-            // Byte i: the lanes that see something at lattice point `from + i`.
-            let mut seen = 0u64;
-            for i in 0..(length - from).min(8) {
-                let k = first + P::splat(f64::from(from + i));
-                let live = k.lt(end);
-                let cell = self.job.grid.cell(self.ray.at(k));
-                let visible = P::and(live, cells.visible(&cell));
-                seen |= u64::from(P::bits(visible)) << (i * 8);
-                if COUNT {
-                    let ruled_out = P::splat(1.0).keep(live) - P::splat(1.0).keep(visible);
-                    self.tally.skip_steps = self.tally.skip_steps + ruled_out;
-                }
+        loop {
+            let live = k.lt(end.min(self.end));
+            if !P::any(live) {
+                return;
             }
-            while seen != 0 {
-                let i = seen.trailing_zeros() / 8;
-                let lanes = P::from_bits((seen >> (i * 8)) as u8);
-                seen &= !(0xff << (i * 8));
-                let k = first + P::splat(f64::from(from + i));
-                // Rays that have seen enough since the test are done.
-                let wanted = P::and(lanes, k.lt(self.end));
-                let cell = self.job.grid.cell(self.ray.at(k));
-                self.sample(cell, wanted, k);
+            let cell = self.job.grid.cell(self.ray.at(k));
+            let visible = P::and(live, cells.visible(&cell));
+            if P::any(visible) {
+                self.sample(cell, visible, k);
             }
-            from += 8;
+            if COUNT {
+                Tally::count(&mut self.tally.skip_steps, live);
+                let kept = P::splat(1.0).keep(visible);
+                self.tally.skip_steps = self.tally.skip_steps - kept;
+            }
+            k = k + one;
         }
     }
 

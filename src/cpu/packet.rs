@@ -69,8 +69,6 @@ pub(super) trait Packet: Real {
     fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Lane i as bit i.
     fn bits(mask: Self::Mask) -> u32;
-    /// The mask whose lane i is bit i.
-    fn from_bits(bits: u8) -> Self::Mask;
     /// The number where the mask holds, else zero.
     fn keep(self, mask: Self::Mask) -> Self;
     /// Lanes, which hold integers from 0 to 2^24, as indices.
@@ -195,10 +193,6 @@ impl Packet for Lanes {
         mask.iter()
             .enumerate()
             .fold(0, |bits, (i, &m)| bits | u32::from(m) << i)
-    }
-    #[inline(always)]
-    fn from_bits(bits: u8) -> Self::Mask {
-        std::array::from_fn(|i| bits >> i & 1 == 1)
     }
     #[inline(always)]
     fn keep(self, mask: Self::Mask) -> Self {

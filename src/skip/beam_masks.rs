@@ -36,25 +36,34 @@ pub enum Collapse {
 #[derive(Debug)]
 pub struct BeamMasks {
     occupancy: Occupancy,
-    axes: [OnceLock<LayerSums>; 3],
+    axes: [OnceLock<AxisSums>; 3],
 }
+
+/// Layers of one block and of [`THICK`] blocks: most tiles see nothing in most of the latter.
+#[derive(Debug)]
+struct AxisSums {
+    thin: LayerSums,
+    thick: LayerSums,
+}
+
+/// Blocks of a thick layer.
+const THICK: usize = 8;
 
 /// For every layer across an axis: how many active blocks lie below and left of each block corner.
 #[derive(Debug)]
 struct LayerSums {
     /// Blocks along the two other axes, in cyclic order.
     lateral: [usize; 2],
-    /// First and last layer that has an active block; none: the first lies above the last.
-    active: [usize; 2],
     /// `[layer][v][u]`, one more than there are blocks along u and v.
     sums: Vec<u32>,
 }
 
 impl LayerSums {
-    fn new(occupancy: &Occupancy, axis: usize) -> Self {
+    /// Tables of layers that are `thickness` blocks thick.
+    fn new(occupancy: &Occupancy, axis: usize, thickness: usize) -> Self {
         let lateral = [1, 2].map(|i| occupancy.dims[(axis + i) % 3]);
         let [width, height] = lateral.map(|n| n + 1);
-        let mut sums = vec![0u32; occupancy.dims[axis] * width * height];
+        let mut sums = vec![0u32; occupancy.dims[axis].div_ceil(thickness) * width * height];
         sums.par_chunks_mut(width * height)
             .enumerate()
             .for_each(|(layer, sums)| {
@@ -62,32 +71,18 @@ impl LayerSums {
                     let mut row = 0;
                     for u in 0..lateral[0] {
                         let mut block = [0; 3];
-                        block[axis] = layer;
                         block[(axis + 1) % 3] = u;
                         block[(axis + 2) % 3] = v;
-                        row += u32::from(occupancy.get(block));
+                        let end = ((layer + 1) * thickness).min(occupancy.dims[axis]);
+                        row += u32::from((layer * thickness..end).any(|layer| {
+                            block[axis] = layer;
+                            occupancy.get(block)
+                        }));
                         sums[(v + 1) * width + u + 1] = sums[v * width + u + 1] + row;
                     }
                 }
             });
-        let area = width * height;
-        let is_active = |layer: usize| sums[(layer + 1) * area - 1] > 0;
-        let layers = 0..occupancy.dims[axis];
-        let active = match layers.clone().find(|&layer| is_active(layer)) {
-            Some(first) => [
-                first,
-                layers
-                    .rev()
-                    .find(|&layer| is_active(layer))
-                    .unwrap_or(first),
-            ],
-            None => [1, 0],
-        };
-        Self {
-            lateral,
-            active,
-            sums,
-        }
+        Self { lateral, sums }
     }
 
     /// Whether any block of `layer` is active in `u` x `v` (block indices, ends included, inside the grid).
@@ -125,7 +120,10 @@ impl BeamMasks {
     pub fn bytes(&self) -> usize {
         let sums = self.axes.iter().filter_map(OnceLock::get);
         size_of_val(self.occupancy.words())
-            + sums.map(|s| size_of_val(s.sums.as_slice())).sum::<usize>()
+            + sums
+                .flat_map(|s| [&s.thin, &s.thick])
+                .map(|s| size_of_val(s.sums.as_slice()))
+                .sum::<usize>()
     }
 
     /// Finds the runs of the tile of pixels `x` x `y` (not empty).
@@ -143,11 +141,25 @@ impl BeamMasks {
         runs.axis = beam.axis();
         let Some(axis) = runs.axis else { return };
         runs.voxels = self.occupancy.volume_dims[axis] as f64;
-        let sums = self.axes[axis].get_or_init(|| LayerSums::new(&self.occupancy, axis));
+        let sums = self.axes[axis].get_or_init(|| AxisSums {
+            thin: LayerSums::new(&self.occupancy, axis, 1),
+            thick: LayerSums::new(&self.occupancy, axis, THICK),
+        });
         let layers = self.occupancy.dims[axis];
         let ascending = beam.direction[0][axis] > 0.0;
         let slack = slack(frame);
-        let walls = [1, 2].map(|i| Wall::new(&beam, &self.occupancy, axis, (axis + i) % 3, slack));
+        let walls = |thickness| {
+            [1, 2].map(|i| {
+                Wall::new(
+                    &beam,
+                    &self.occupancy,
+                    [axis, (axis + i) % 3],
+                    thickness,
+                    slack,
+                )
+            })
+        };
+        let (thin, thick) = (walls(1), walls(THICK));
 
         // Runs as [first layer, end layer) in the order of the rays.
         let block = self.occupancy.block as f64;
@@ -173,31 +185,39 @@ impl BeamMasks {
             runs.spans
                 .push(if ascending { [low, high] } else { [high, low] });
         };
-        let [first, last] = sums.active;
-        let order = if ascending {
-            first..last + 1
-        } else {
-            layers - 1 - last..layers - first
+        let is_active = |sums: &LayerSums, walls: &[Wall; 2], layer: usize, first_block: usize| {
+            let low = first_block as f64 * block - REACH;
+            match (walls[0].blocks(low), walls[1].blocks(low)) {
+                (Some(u), Some(v)) => sums.any(layer, u, v),
+                _ => false,
+            }
         };
-        for i in order {
-            let layer = if ascending { i } else { layers - 1 - i };
-            let low = layer as f64 * block - REACH;
-            let (Some(u), Some(v)) = (walls[0].blocks(low), walls[1].blocks(low)) else {
-                continue;
-            };
-            if !sums.any(layer, u, v) {
+        let groups = layers.div_ceil(THICK);
+        for i in 0..groups {
+            let group = if ascending { i } else { groups - 1 - i };
+            let first = group * THICK;
+            if !is_active(&sums.thick, &thick, group, first) {
                 continue;
             }
-            open = Some(match open {
-                Some([first, end]) if end == i || collapse.joins(end - 1, i, layers) => {
-                    [first, i + 1]
+            let end = (first + THICK).min(layers);
+            for j in 0..end - first {
+                let layer = if ascending { first + j } else { end - 1 - j };
+                if !is_active(&sums.thin, &thin, layer, layer) {
+                    continue;
                 }
-                Some(run) => {
-                    close(run);
-                    [i, i + 1]
-                }
-                None => [i, i + 1],
-            });
+                // Counted along the rays.
+                let i = if ascending { layer } else { layers - 1 - layer };
+                open = Some(match open {
+                    Some([first, end]) if end == i || collapse.joins(end - 1, i, layers) => {
+                        [first, i + 1]
+                    }
+                    Some(run) => {
+                        close(run);
+                        [i, i + 1]
+                    }
+                    None => [i, i + 1],
+                });
+            }
         }
         if let Some(run) = open {
             close(run);
@@ -282,9 +302,16 @@ struct Wall {
 }
 
 impl Wall {
-    fn new(beam: &Beam, occupancy: &Occupancy, axis: usize, lateral: usize, slack: f64) -> Self {
+    /// The walls of layers of so many blocks.
+    fn new(
+        beam: &Beam,
+        occupancy: &Occupancy,
+        [axis, lateral]: [usize; 2],
+        thickness: usize,
+        slack: f64,
+    ) -> Self {
         // A layer with the half voxel that it answers for on both sides.
-        let thickness = occupancy.block as f64 + 2.0 * REACH;
+        let thickness = (thickness * occupancy.block) as f64 + 2.0 * REACH;
         let slope: [f64; 4] =
             std::array::from_fn(|i| beam.direction[i][lateral] / beam.direction[i][axis]);
         let base: [f64; 4] =
