@@ -448,14 +448,14 @@ impl Renderer {
         self.progress.restart();
         match &mut self.backend {
             Backend::Gpu(backend) => {
-                let (parts, active, preparation) =
-                    self.structures.parts(settings, &scene, &table)?;
+                let (needs, preparation) = self.structures.gpu_needs(settings, &scene, &table)?;
                 let job = Job {
                     scene,
                     camera: &settings.camera,
-                    parts,
+                    parts: needs.parts,
+                    masks: needs.masks,
                     block: settings.block,
-                    active: &active,
+                    active: &needs.active,
                 };
                 work(&mut Drawing::Gpu(backend, job), &preparation)
             }
