@@ -7,8 +7,7 @@
 #import mode/{MODE}
 #import count/{COUNT}
 
-// 8x8 pixel tiles to march, x in the low and y in the high half-word.
-@group(0) @binding(2) var<storage, read> tiles: array<u32>;
+@group(0) @binding(2) var<storage, read> tiles: array<Tile>;
 // The mode's state while a picture is in work, the pixels at its end; row by row.
 @group(0) @binding(3) var<storage, read_write> target_rgba: array<vec4f>;
 // Next sample index, where a picture takes more than one dispatch.
@@ -21,7 +20,7 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
         return;
     }
     let tile = tiles[settings.tile_first + tile_index];
-    let pixel = vec2u(tile & 0xffffu, tile >> 16u) * 8u + local.xy;
+    let pixel = vec2u(tile.at & 0xffffu, tile.at >> 16u) * 8u + local.xy;
     if any(pixel >= view.size) {
         return;
     }
@@ -38,7 +37,7 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
 
     // Rays that stop early are over for every later dispatch too.
     var k_stop = k;
-    var segment = skip_begin(ray, pixel);
+    var segment = skip_begin(ray, pixel, tile);
     var left = settings.max_iterations;
     var finished = false;
     loop {

@@ -262,6 +262,19 @@ impl Renderer {
         &self.info
     }
 
+    /// Whether this backend has a method.
+    pub fn has(&self, skip: Skip) -> bool {
+        skip.check_backend(self.info.backend).is_ok()
+    }
+
+    /// The method to take where none was asked for: the fastest of the backend's on hollow data.
+    pub fn default_skip(&self) -> Skip {
+        match &self.backend {
+            Backend::Cpu(_) => Skip::BeamMasks,
+            Backend::Gpu(_) | Backend::Reference => Skip::HalfSplit,
+        }
+    }
+
     /// Methods that failed the self-check on this adapter; box is drawn in their place.
     pub fn withdrawn(&self) -> &[Skip] {
         &self.withdrawn
@@ -435,14 +448,14 @@ impl Renderer {
         self.progress.restart();
         match &mut self.backend {
             Backend::Gpu(backend) => {
-                let (parts, active, preparation) =
-                    self.structures.parts(settings, &scene, &table)?;
+                let (needs, preparation) = self.structures.gpu_needs(settings, &scene, &table)?;
                 let job = Job {
                     scene,
                     camera: &settings.camera,
-                    parts,
+                    parts: needs.parts,
+                    masks: needs.masks,
                     block: settings.block,
-                    active: &active,
+                    active: &needs.active,
                 };
                 work(&mut Drawing::Gpu(backend, job), &preparation)
             }

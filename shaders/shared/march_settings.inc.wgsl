@@ -12,7 +12,7 @@ struct MarchSettings {
     snap: f32,
     // Opacity at which a ray stops.
     ert: f32,
-    // Segments per ray that the bounds hold; 0: the bounding box.
+    // Segments per ray that the bounds hold; 0, where takes_runs is too: the bounding box.
     segment_count: u32,
     // Bit i: segment i starts at the near plane, because an active block lies there.
     near_mask: u32,
@@ -22,7 +22,19 @@ struct MarchSettings {
     resume: u32,
     store_progress: u32,
     tile_first: u32,
-    pad1: u32,
+    // Whether segments are the runs of the ray's tile.
+    takes_runs: u32,
+}
+
+// 8x8 pixels to march. Mirrors gpu::abi::Tile.
+struct Tile {
+    // Column in the low, row in the high half-word.
+    at: u32,
+    // Its runs: a slice of skip/bounds' `runs`.
+    first_run: u32,
+    run_count: u32,
+    // The axis that its runs lie along; 3: its only run is the whole ray.
+    axis: u32,
 }
 
 @group(0) @binding(1) var<uniform> settings: MarchSettings;

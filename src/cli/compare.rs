@@ -6,7 +6,7 @@ use hollowcast::Result;
 use hollowcast::camera::Camera;
 use hollowcast::measure::compare::{Comparison, Plan, ReferencePlan, compare};
 use hollowcast::render::{BackendChoice, BackendInfo, Renderer};
-use hollowcast::skip::Skip;
+use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::TransferFunction;
 use hollowcast::volume::Volume;
 use serde_json::{Value, json};
@@ -40,8 +40,8 @@ pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// The methods; box is added where it is missing
-    #[arg(long, value_delimiter = ',', default_value = "box,hull,half-split", value_parser = values::method(), help_heading = "Comparison")]
+    /// The methods, on every backend that has them; box is added where it is missing [default: all]
+    #[arg(long, value_delimiter = ',', value_parser = values::method(), help_heading = "Comparison")]
     methods: Vec<Skip>,
 
     /// Distances of samples in voxels, or with u in parts of the longest box edge
@@ -89,13 +89,13 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<()> {
     let volume = args.volume.load()?;
-    let plan = args.plan(&volume);
     let transfer = args.scene.transfer(&volume)?;
     let mut renderers = args
         .backends
         .iter()
         .map(|&choice| ready(choice, &volume, &transfer))
         .collect::<Result<Vec<_>>>()?;
+    let plan = args.plan(&volume, &renderers);
     let comparison = measured(&mut renderers, &volume, &transfer, &plan)?;
     let infos: Vec<BackendInfo> = renderers.iter().map(|r| r.info().clone()).collect();
     for (&choice, info) in args.backends.iter().zip(&infos) {
@@ -185,8 +185,15 @@ impl Args {
             .collect()
     }
 
-    fn plan(&self, volume: &Volume) -> Plan {
+    fn plan(&self, volume: &Volume, renderers: &[Renderer]) -> Plan {
         let mut methods = self.methods.clone();
+        if methods.is_empty() {
+            methods = METHODS
+                .iter()
+                .map(|m| m.skip)
+                .filter(|&m| renderers.iter().any(|r| r.has(m)))
+                .collect();
+        }
         if !methods.contains(&Skip::Box) {
             methods.insert(0, Skip::Box);
         }

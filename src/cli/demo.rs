@@ -11,7 +11,7 @@ use hollowcast::mode::Mode;
 use hollowcast::output::{self, PngEncoding, heat};
 use hollowcast::render::{BackendChoice, BackendInfo, Settings};
 use hollowcast::scene::CountedPicture;
-use hollowcast::skip::Skip;
+use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::{PRESETS, TransferFunction};
 use hollowcast::volume::{self, Statistics, Volume};
 use hollowcast::{Error, Result};
@@ -24,12 +24,11 @@ Examples:
   hollowcast demo
   hollowcast demo --backend cpu --size 256 -o pictures
 
-Writes methods.png (box, hull and half-split side by side: the same picture) and samples.png (how many samples each took
+Writes methods.png (every method side by side: the same picture) and samples.png (how many samples each took
 per pixel), and prints the comparison. The scan is the micro-CT of a sea shell; see data/README.md for its origin.";
 
 /// The scan: a shell whose whorls wind around emptiness.
 const SHELL: &[u8] = include_bytes!("../../data/qim3d_shell.nrrd");
-const METHODS: [Skip; 3] = [Skip::Box, Skip::Hull, Skip::HalfSplit];
 
 /// Shows the main job on a scan that ships with the program.
 #[derive(Debug, clap::Args)]
@@ -56,10 +55,15 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let info = renderers[0].info().clone();
     report::notice_fallback(args.backend, &info);
     let size = args.size.unwrap_or_else(|| size_for(&info));
-    let plan = plan(&volume, size);
+    let methods: Vec<Skip> = METHODS
+        .iter()
+        .map(|m| m.skip)
+        .filter(|&m| renderers[0].has(m))
+        .collect();
+    let plan = plan(&volume, size, &methods);
 
     let comparison = measured(&mut renderers, &volume, &transfer, &plan)?;
-    let counted = METHODS
+    let counted = methods
         .iter()
         .map(|&skip| {
             renderers[0].count(&Settings {
@@ -68,11 +72,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
             })
         })
         .collect::<Result<Vec<_>>>()?;
-    let pictures = write_methods(&args.output, &counted)?;
-    let heat_maps = write_samples(&args.output, &counted)?;
+    let pictures = write_methods(&args.output, &methods, &counted)?;
+    let heat_maps = write_samples(&args.output, &methods, &counted)?;
 
     let files = format!(
-        "{}: the three pictures side by side\n{}: samples per pixel of each\n",
+        "{}: the same picture by every method, side by side\n{}: samples per pixel of each\n",
         pictures.display(),
         heat_maps.display()
     );
@@ -97,7 +101,7 @@ fn size_for(info: &BackendInfo) -> [u32; 2] {
     [edge, edge]
 }
 
-fn plan(volume: &Volume, size: [u32; 2]) -> Plan {
+fn plan(volume: &Volume, size: [u32; 2], methods: &[Skip]) -> Plan {
     let view = |azimuth_degrees: f64| {
         Orbit {
             azimuth_degrees,
@@ -109,7 +113,7 @@ fn plan(volume: &Volume, size: [u32; 2]) -> Plan {
     let views = vec![view(30.0), view(120.0)];
     let step = 0.5;
     Plan {
-        methods: METHODS.to_vec(),
+        methods: methods.to_vec(),
         blocks: vec![8],
         steps: vec![hollowcast::measure::compare::NamedStep {
             name: step.to_string(),
@@ -151,8 +155,8 @@ fn verdict(rows: &[Row]) -> String {
     format!("\nas fast as box: {}; {exact}\n", told.join(", "))
 }
 
-fn write_methods(folder: &Path, counted: &[CountedPicture]) -> Result<PathBuf> {
-    let panels: Vec<_> = METHODS
+fn write_methods(folder: &Path, methods: &[Skip], counted: &[CountedPicture]) -> Result<PathBuf> {
+    let panels: Vec<_> = methods
         .iter()
         .zip(counted)
         .map(|(skip, c)| {
@@ -172,13 +176,13 @@ fn write_methods(folder: &Path, counted: &[CountedPicture]) -> Result<PathBuf> {
     Ok(path)
 }
 
-fn write_samples(folder: &Path, counted: &[CountedPicture]) -> Result<PathBuf> {
+fn write_samples(folder: &Path, methods: &[Skip], counted: &[CountedPicture]) -> Result<PathBuf> {
     let most = counted
         .iter()
         .flat_map(|c| c.samples.iter().copied())
         .max()
         .unwrap_or(0);
-    let panels: Vec<_> = METHODS
+    let panels: Vec<_> = methods
         .iter()
         .zip(counted)
         .map(|(skip, c)| {

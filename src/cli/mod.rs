@@ -11,6 +11,7 @@ mod report;
 mod scene_args;
 mod table;
 mod values;
+mod verify;
 mod volume_args;
 
 use std::io::{self, Write};
@@ -28,6 +29,7 @@ Examples:
   hollowcast render scan.nrrd -o scan.png                  one picture
   hollowcast render scan.mhd --tf ramp:40:255:0.3 --camera az=120,el=35,dist=1.8 -o scan.exr
   hollowcast compare scan.nii.gz --steps 0.002u,0.005u,0.01u --json > rows.json
+  hollowcast verify scan.nrrd                              does skipping change one bit?
   hollowcast phantom pot 256 -o pot.nrrd                   a test volume
 
 VOLUME is a file (NRRD, MetaImage, NIfTI, raw) or phantom:NAME:SIZE.
@@ -45,6 +47,7 @@ struct Cli {
 enum Command {
     Render(render::Args),
     Compare(compare::Args),
+    Verify(verify::Args),
     Info(info::Args),
     Phantom(phantom::Args),
     Demo(demo::Args),
@@ -68,6 +71,7 @@ pub(crate) fn main() -> ExitCode {
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Verify(args) => verify::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Phantom(args) => phantom::run(&args),
         Command::Demo(args) => demo::run(&args),

@@ -37,9 +37,9 @@ pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Where samples are taken
-    #[arg(long, default_value = "half-split", value_parser = values::method(), help_heading = "Picture")]
-    method: Skip,
+    /// Where samples are taken [default: beam-masks on the cpu backend, else half-split]
+    #[arg(long, value_parser = values::method(), help_heading = "Picture")]
+    method: Option<Skip>,
 
     /// Edge of the leaf blocks in voxels: 4, 8, 16 or 32
     #[arg(long, value_name = "N", default_value = "8", value_parser = scene_args::block, help_heading = "Picture")]
@@ -102,12 +102,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let transfer = args.scene.transfer(&volume)?;
     let camera = args.scene.camera.camera(&volume, 0.0);
     let step = args.step.in_box(volume.extent());
-    let settings = args
-        .scene
-        .settings(args.method, args.block, step.voxels, camera);
-
     let progress = Progress::spinner("drawing");
     let mut renderer = Renderer::new(args.backend)?;
+    let skip = args.method.unwrap_or_else(|| renderer.default_skip());
+    let settings = args.scene.settings(skip, args.block, step.voxels, camera);
     renderer.set_volume(volume.clone())?;
     renderer.set_transfer(transfer);
     let preparation = renderer.prepare(&settings)?;

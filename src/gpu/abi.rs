@@ -50,7 +50,18 @@ pub struct MarchSettings {
     pub resume: u32,
     pub store_progress: u32,
     pub tile_first: u32,
-    pub pad1: u32,
+    pub takes_runs: u32,
+}
+
+/// `Tile` in `shaders/shared/march_settings.inc.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub struct Tile {
+    pub at: u32,
+    pub first_run: u32,
+    pub run_count: u32,
+    pub axis: u32,
 }
 
 #[cfg(test)]
@@ -99,6 +110,7 @@ mod tests {
         mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, pad1,
             extent, pad2, grid_from_local, pad3, centre, origin, size, pad4, clip_from_local);
         mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
-            tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, pad1);
+            tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, takes_runs);
+        mirrors!(Tile: at, first_run, run_count, axis);
     }
 }

@@ -24,6 +24,9 @@ impl GrowBuffer {
     }
 
     /// The buffer with room for at least `bytes`. Contents are lost where it had to grow.
+    ///
+    /// # Panics
+    /// Never: the buffer is made where there is none.
     pub fn reserve(&mut self, gpu: &Gpu, bytes: u64) -> &wgpu::Buffer {
         let fits = self
             .buffer

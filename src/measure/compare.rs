@@ -26,7 +26,8 @@ pub struct NamedStep {
 /// What is compared.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The methods; [`Skip::Box`] must be one of them, it is what the others are compared with.
+    /// The methods; [`Skip::Box`] must be one of them, it is what the others are compared with. A backend that does not
+    /// have one leaves it out.
     pub methods: Vec<Skip>,
     /// Block sizes in voxels.
     pub blocks: Vec<usize>,
@@ -159,6 +160,11 @@ pub fn compare(
         rows: Vec::new(),
         samplers: vec![Sampler::Exact; renderers.len()],
     };
+    for &skip in &plan.methods {
+        if !renderers.iter().any(|renderer| renderer.has(skip)) {
+            skip.check_backend(renderers[0].info().backend)?;
+        }
+    }
     for (s, step) in plan.steps.iter().enumerate() {
         let truth = references(reference, plan, step)?;
         for (b, &block) in plan.blocks.iter().enumerate() {
@@ -202,6 +208,7 @@ fn run_group(
 ) -> Result<Vec<Contestant>> {
     let mut contestants: Vec<Contestant> = (0..renderers.len())
         .flat_map(|renderer| plan.methods.iter().map(move |&skip| (renderer, skip)))
+        .filter(|&(renderer, skip)| renderers[renderer].has(skip))
         .map(|(renderer, skip)| Contestant {
             renderer,
             skip,
@@ -219,10 +226,8 @@ fn run_group(
             camera,
             ..*settings
         };
-        let of = |c: &Contestant| Settings {
-            skip: c.skip,
-            ..settings
-        };
+        let backends: Vec<&str> = renderers.iter().map(|r| r.info().backend).collect();
+        let of = |c: &Contestant| settings_on(backends[c.renderer], c.skip, &settings);
         let mut pictures = Vec::new();
         for c in &mut contestants {
             let renderer = &mut renderers[c.renderer];
@@ -283,6 +288,20 @@ impl Contestant {
 
     fn mean(&self, time: fn(&FrameTimes) -> f64) -> f64 {
         self.views.iter().map(time).sum::<f64>() / self.views.len() as f64
+    }
+}
+
+/// The settings as a backend can draw them: only graphics adapters have a filter.
+fn settings_on(backend: &str, skip: Skip, settings: &Settings) -> Settings {
+    let sampler = if backend == "gpu" {
+        settings.sampler
+    } else {
+        Some(Sampler::Exact)
+    };
+    Settings {
+        skip,
+        sampler,
+        ..*settings
     }
 }
 
@@ -348,6 +367,7 @@ fn psnr(
     let pictures: Vec<Picture> = reference_views(plan)
         .map(|camera| {
             let settings = reference_settings(plan, settings, skip, camera);
+            let settings = settings_on(renderer.info().backend, skip, &settings);
             Ok(renderer.render(&settings)?.picture)
         })
         .collect::<Result<_>>()?;

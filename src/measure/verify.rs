@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::mode::Mode;
 use crate::render::{Renderer, Settings};
 use crate::sample::Sampler;
+use crate::scene::Picture;
 use crate::skip::{METHODS, Skip};
 use crate::transfer::TransferFunction;
 use crate::volume::Volume;
@@ -98,7 +99,7 @@ fn nearest(volume: &Volume, is_wanted: impl Fn(f64) -> bool, transfer: &Transfer
 }
 
 /// One comparison: a scene's settings, under which every method is compared with box.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Case {
     /// Where from.
     pub view: View,
@@ -121,24 +122,22 @@ pub const STEPS: [f64; 3] = [0.002, 0.005, 0.01];
 /// Early termination thresholds of the matrix.
 pub const THRESHOLDS: [f32; 2] = [0.98, 1.0];
 
-/// Every combination of the settings.
-pub fn matrix() -> Vec<Case> {
+/// Every combination of the settings, with these samplers. Cases that differ in the block alone follow one another.
+pub fn matrix(samplers: &[Sampler]) -> Vec<Case> {
     let mut cases = Vec::new();
     for view in View::ALL {
         for is_parallel in [false, true] {
             for step_edges in STEPS {
                 for ert in THRESHOLDS {
-                    for sampler in Sampler::ALL {
-                        for block in BLOCKS {
-                            cases.push(Case {
-                                view,
-                                is_parallel,
-                                block,
-                                step_edges,
-                                ert,
-                                sampler: *sampler,
-                            });
-                        }
+                    for &sampler in samplers {
+                        cases.extend(BLOCKS.map(|block| Case {
+                            view,
+                            is_parallel,
+                            block,
+                            step_edges,
+                            ert,
+                            sampler,
+                        }));
                     }
                 }
             }
@@ -148,8 +147,11 @@ pub fn matrix() -> Vec<Case> {
 }
 
 /// Cases in which every pair of two settings' values occurs together, chosen greedily from [`matrix`].
+///
+/// # Panics
+/// Never: cases are made of the values that are looked up.
 pub fn pairwise() -> Vec<Case> {
-    let all = matrix();
+    let all = matrix(Sampler::ALL);
     let key = |c: &Case| {
         let position = |found: Option<usize>| found.expect("cases are made of these values");
         [
@@ -200,43 +202,77 @@ pub struct Outcome {
     pub max_abs: f64,
 }
 
-/// Draws a case of the resident volume with box and every other lossless method, and compares.
-///
-/// # Errors
-/// As [`Renderer::render`].
-pub fn run(
-    renderer: &mut Renderer,
-    volume: &Arc<Volume>,
-    transfer: &TransferFunction,
-    case: &Case,
+/// Draws cases of one volume and compares.
+pub struct Verifier<'a> {
+    renderer: &'a mut Renderer,
+    volume: &'a Arc<Volume>,
+    transfer: &'a TransferFunction,
     size: [u32; 2],
-) -> Result<Vec<Outcome>> {
-    let backend = renderer.info().backend;
-    let mut settings = Settings {
-        skip: Skip::Box,
-        sampler: Some(case.sampler),
-        mode: Mode::EmissionAbsorption,
-        block: case.block,
-        step_voxels: case.step_edges * volume.extent().max_element(),
-        ert: case.ert,
-        size,
-        camera: case.view.camera(volume, transfer, case.is_parallel),
-        table_entries: 256,
-    };
-    let reference = renderer.render(&settings)?.picture;
-    METHODS
-        .iter()
-        .filter(|m| m.lossless && m.skip != Skip::Box && m.backends.contains(&backend))
-        .map(|method| {
-            settings.skip = method.skip;
-            let difference = renderer.render(&settings)?.picture.difference(&reference);
-            Ok(Outcome {
-                skip: method.skip,
-                differing_pixels: difference.pixels,
-                max_abs: difference.max_abs,
-            })
-        })
-        .collect()
+    /// The last case's picture by box, which does not depend on the block.
+    by_box: Option<(Case, Picture)>,
+}
+
+impl<'a> Verifier<'a> {
+    /// For pictures of `size` pixels by a renderer whose volume and transfer function are these.
+    pub fn new(
+        renderer: &'a mut Renderer,
+        volume: &'a Arc<Volume>,
+        transfer: &'a TransferFunction,
+        size: [u32; 2],
+    ) -> Self {
+        Self {
+            renderer,
+            volume,
+            transfer,
+            size,
+            by_box: None,
+        }
+    }
+
+    /// Draws a case with every lossless method that the backend has, and compares with box.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn run(&mut self, case: &Case) -> Result<Vec<Outcome>> {
+        let mut settings = Settings {
+            skip: Skip::Box,
+            sampler: Some(case.sampler),
+            mode: Mode::EmissionAbsorption,
+            block: case.block,
+            step_voxels: case.step_edges * self.volume.extent().max_element(),
+            ert: case.ert,
+            size: self.size,
+            camera: case
+                .view
+                .camera(self.volume, self.transfer, case.is_parallel),
+            table_entries: 256,
+        };
+        let by_box = match self.by_box.take() {
+            Some((last, picture))
+                if (Case {
+                    block: case.block,
+                    ..last
+                }) == *case =>
+            {
+                picture
+            }
+            _ => self.renderer.render(&settings)?.picture,
+        };
+        let mut outcomes = Vec::new();
+        for method in METHODS.iter().filter(|m| m.lossless && m.skip != Skip::Box) {
+            if self.renderer.has(method.skip) {
+                settings.skip = method.skip;
+                let difference = self.renderer.render(&settings)?.picture.difference(&by_box);
+                outcomes.push(Outcome {
+                    skip: method.skip,
+                    differing_pixels: difference.pixels,
+                    max_abs: difference.max_abs,
+                });
+            }
+        }
+        self.by_box = Some((*case, by_box));
+        Ok(outcomes)
+    }
 }
 
 #[cfg(test)]
@@ -246,7 +282,11 @@ mod tests {
     #[test]
     fn pairwise_cases_hold_every_pair_in_few_cases() {
         let cases = pairwise();
-        assert!(cases.len() < matrix().len() / 8, "{} cases", cases.len());
+        assert!(
+            cases.len() < matrix(Sampler::ALL).len() / 8,
+            "{} cases",
+            cases.len()
+        );
         for view in View::ALL {
             for block in BLOCKS {
                 assert!(cases.iter().any(|c| c.view == view && c.block == block));

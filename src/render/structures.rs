@@ -15,6 +15,7 @@ use crate::cpu::CpuPlan;
 use crate::error::Result;
 use crate::octree::{Accelerator, Hull, Occupancy};
 use crate::scene::Scene;
+use crate::skip::beam_masks::BeamMasks;
 use crate::skip::{self, Plan, Skip};
 use crate::transfer::Table;
 
@@ -31,6 +32,16 @@ pub(super) struct Structures {
     cpu_box: Option<(Arc<Table>, CpuPlan)>,
     /// Names the culled states, so that what is on the device can be told apart.
     next_id: u64,
+}
+
+/// What the GPU backend needs of the structures.
+pub(super) struct GpuNeeds<'a> {
+    /// What is rasterised, near part first.
+    pub(super) parts: Vec<Part<'a>>,
+    /// What tells each tile its segments, where nothing is rasterised.
+    pub(super) masks: Option<&'a BeamMasks>,
+    /// Boxes around all that can be seen, local coordinates.
+    pub(super) active: Vec<[DVec3; 2]>,
 }
 
 struct Kept {
@@ -52,6 +63,7 @@ struct Culled {
     cull_ms: f64,
     /// What the SIMD backend keeps, by method.
     cpu_plans: Vec<CpuPlan>,
+    masks: Option<BeamMasks>,
 }
 
 impl Structures {
@@ -65,25 +77,29 @@ impl Structures {
         self.range
     }
 
-    /// What rasterising the settings' method needs: its parts, near part first, and boxes around all that can be seen.
-    pub(super) fn parts(
+    /// What the GPU backend needs for the settings' method.
+    pub(super) fn gpu_needs(
         &mut self,
         settings: &Settings,
         scene: &Scene,
         table: &Arc<Table>,
-    ) -> Result<(Vec<Part<'_>>, Vec<[DVec3; 2]>, Preparation)> {
+    ) -> Result<(GpuNeeds<'_>, Preparation)> {
         if settings.skip == Skip::Box {
-            return Ok((
-                Vec::new(),
-                vec![[DVec3::ZERO, scene.frame.extent]],
-                Preparation::default(),
-            ));
+            let needs = GpuNeeds {
+                parts: Vec::new(),
+                masks: None,
+                active: vec![[DVec3::ZERO, scene.frame.extent]],
+            };
+            return Ok((needs, Preparation::default()));
         }
         let kept = self.culled(settings, scene, table)?;
         let regions = regions(settings, scene, &kept.accelerator);
         let (accelerator, build_ms) = (&kept.accelerator, kept.build_ms);
         let culled = kept.culled.as_mut().expect("culled just above");
         culled.make_hulls(&regions);
+        if settings.skip == Skip::BeamMasks && culled.masks.is_none() {
+            culled.masks = Some(BeamMasks::new(culled.occupancy.clone()));
+        }
         let culled = &*culled;
         let preparation = culled.preparation(accelerator, build_ms);
         let parts = regions
@@ -99,7 +115,15 @@ impl Structures {
                 ),
             })
             .collect();
-        Ok((parts, culled.boxes.clone(), preparation))
+        let needs = GpuNeeds {
+            parts,
+            masks: culled
+                .masks
+                .as_ref()
+                .filter(|_| settings.skip == Skip::BeamMasks),
+            active: culled.boxes.clone(),
+        };
+        Ok((needs, preparation))
     }
 
     /// What finding segments on the CPU needs.
@@ -318,6 +342,7 @@ impl Culled {
             boxes,
             cull_ms: ms_since(start),
             cpu_plans: Vec::new(),
+            masks: None,
         }
     }
 
@@ -365,7 +390,8 @@ impl Culled {
             .iter()
             .chain(self.halves.iter().flatten().flatten());
         (size_of_val(self.occupancy.words())
-            + hulls.map(|h| size_of_val(&h.faces[..])).sum::<usize>()) as u64
+            + hulls.map(|h| size_of_val(&h.faces[..])).sum::<usize>()
+            + self.masks.as_ref().map_or(0, BeamMasks::bytes)) as u64
     }
 }
 

@@ -347,6 +347,17 @@ impl Wall {
 }
 
 impl TileRuns {
+    /// The axis that layers lie across; `None`: rays disagree about every axis and take the whole box.
+    pub fn axis(&self) -> Option<usize> {
+        self.axis
+    }
+
+    /// Where each run begins and ends along the axis, in grid coordinates and in the order of the rays; infinite at the
+    /// faces of the box.
+    pub fn spans(&self) -> &[[f64; 2]] {
+        &self.spans
+    }
+
     /// Whether no ray of the tile meets an active block.
     pub fn is_empty(&self) -> bool {
         self.axis.is_some() && self.spans.is_empty()

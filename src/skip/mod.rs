@@ -99,7 +99,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::BeamMasks,
         name: "beam-masks",
         lossless: true,
-        backends: &["cpu"],
+        backends: &["gpu", "cpu"],
         max_segments: usize::MAX,
         summary: "runs of active layers along the view axis, one mask per tile of pixels",
         origin: "this project",

@@ -87,13 +87,8 @@ impl FaceBuffers {
     }
 
     /// Index ranges of the faces that look at the viewer (`front`) or away: faces of one direction are sorted by
-    /// plane, so each direction gives one range. `positions` maps a plane in blocks to local coordinates.
-    fn ranges(
-        &self,
-        viewer: &Viewer,
-        front: bool,
-        position: impl Fn(usize, u16) -> f64,
-    ) -> Vec<Range<u32>> {
+    /// plane, so each direction gives one range.
+    fn ranges(&self, viewer: &Viewer, front: bool) -> Vec<Range<u32>> {
         let mut ranges = Vec::new();
         for (direction, (first, planes)) in self.directions.iter().enumerate() {
             let (axis, positive) = (direction / 2, direction % 2 == 1);
@@ -101,7 +96,7 @@ impl FaceBuffers {
             let outward = if positive { viewer.grow } else { -viewer.grow };
             // A plane is below the viewer where the viewer lies on its positive side.
             let below = planes
-                .partition_point(|&p| viewer.is_above(axis, position(axis, p) + outward))
+                .partition_point(|&p| viewer.is_above(axis, viewer.position(axis, p) + outward))
                 as u32;
             let range = if positive == front {
                 0..below
@@ -125,9 +120,18 @@ pub(super) struct Viewer {
     pub(super) parallel: Option<DVec3>,
     /// How far faces grow, in local units.
     pub(super) grow: f64,
+    /// Edges of a leaf block in local units.
+    pub(super) block_size: DVec3,
+    /// Edges of the volume's box in local units.
+    pub(super) extent: DVec3,
 }
 
 impl Viewer {
+    /// Local coordinate of a plane between blocks; the last block may stick out of the volume.
+    fn position(&self, axis: usize, plane: u16) -> f64 {
+        (f64::from(plane) * self.block_size[axis]).min(self.extent[axis])
+    }
+
     /// Whether the viewer is on the positive side of the plane at `position` on `axis`.
     fn is_above(&self, axis: usize, position: f64) -> bool {
         match self.parallel {
@@ -213,7 +217,6 @@ impl FacesPass {
         view_group: &wgpu::BindGroup,
         parts: &[Option<&FaceBuffers>],
         viewer: &Viewer,
-        position: impl Fn(usize, u16) -> f64 + Copy,
         (timer, span): (&SpanTimer, u32),
     ) {
         for (layer, view) in bounds.layers[..parts.len() * 2].iter().enumerate() {
@@ -245,7 +248,7 @@ impl FacesPass {
             pass.set_bind_group(0, view_group, &[]);
             pass.set_vertex_buffer(0, faces.vertices.slice(..));
             pass.set_index_buffer(faces.indices.slice(..), wgpu::IndexFormat::Uint32);
-            for range in faces.ranges(viewer, is_entry, position) {
+            for range in faces.ranges(viewer, is_entry) {
                 pass.draw_indexed(range, 0, 0..1);
             }
         }

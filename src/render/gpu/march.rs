@@ -22,7 +22,7 @@ pub(super) struct March {
 pub(super) struct MarchPass {
     /// View, settings, tiles, target, progress, volume, filter, table.
     pub(super) scene_layout: wgpu::BindGroupLayout,
-    /// Bounds, work counters.
+    /// Bounds, work counters, runs.
     pub(super) skip_layout: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
     pipelines: HashMap<March, wgpu::ComputePipeline>,
@@ -105,6 +105,7 @@ impl MarchPass {
                         ),
                     ),
                     entry(1, storage(false)),
+                    entry(2, storage(true)),
                 ],
             });
         let layout = gpu

@@ -15,7 +15,7 @@ use self::faces::{BoundsTexture, FaceBuffers, FacesPass, Viewer};
 use self::march::{March, MarchPass, SETTINGS_STRIDE, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
-use self::tiles::{TILE, TileMask};
+use self::tiles::{TILE, TileMask, tile_runs};
 use crate::camera::{Camera, Projection};
 use crate::error::{Error, Result};
 use crate::gpu::abi::{MarchSettings, View};
@@ -27,6 +27,7 @@ use crate::octree::Hull;
 use crate::render::FrameTimes;
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Counters, Picture, Progress, Scene};
+use crate::skip::beam_masks::BeamMasks;
 use crate::volume::Volume;
 
 /// Iterations of one invocation in one dispatch. Mesa's software driver ends an invocation silently after 65,535, and
@@ -54,8 +55,10 @@ pub(super) struct Part<'a> {
 pub(super) struct Job<'a> {
     pub(super) scene: Scene<'a>,
     pub(super) camera: &'a Camera,
-    /// Near part first; empty: the bounding box.
+    /// Near part first; empty: the bounding box, or what the masks tell.
     pub(super) parts: Vec<Part<'a>>,
+    /// Tells each tile its segments.
+    pub(super) masks: Option<&'a BeamMasks>,
     /// Leaf block edge in voxels.
     pub(super) block: usize,
     /// Boxes (local coordinates) outside which nothing is visible.
@@ -75,6 +78,7 @@ pub(super) struct GpuBackend {
     views: GrowBuffer,
     settings: GrowBuffer,
     tiles: GrowBuffer,
+    runs: GrowBuffer,
     target: GrowBuffer,
     progress: GrowBuffer,
     work: GrowBuffer,
@@ -126,6 +130,7 @@ impl GpuBackend {
             views: GrowBuffer::new("view", Usage::UNIFORM),
             settings: GrowBuffer::new("march settings", Usage::UNIFORM),
             tiles: GrowBuffer::new("tiles", Usage::STORAGE),
+            runs: GrowBuffer::new("runs", Usage::STORAGE),
             target: GrowBuffer::new("target", storage),
             progress: GrowBuffer::new("progress", Usage::STORAGE),
             work: GrowBuffer::new("work", storage),
@@ -272,7 +277,7 @@ impl GpuBackend {
                 let present = backend.present.as_ref().expect("made just above");
                 let buffers = [&backend.views, &backend.target, &backend.work].map(GrowBuffer::get);
                 backend.gpu.checked(|| {
-                    present.draw(&backend.gpu, targets, buffers, piece.origin, piece.size)
+                    present.draw(&backend.gpu, targets, buffers, piece.origin, piece.size);
                 })
             },
             &mut times,
@@ -342,11 +347,15 @@ impl GpuBackend {
 
         // The tiles that can show anything.
         let clip_from_local = job.camera.clip_from_local(frame.size);
-        let mut mask = TileMask::new(piece.size);
-        for &[low, high] in job.active {
-            mask.mark(&clip_from_local, frame.size, piece.origin, [low, high]);
-        }
-        let tile_list = mask.list();
+        let (tile_list, run_list) = if let Some(masks) = job.masks {
+            tile_runs(masks, frame, piece.origin, piece.size)
+        } else {
+            let mut mask = TileMask::new(piece.size);
+            for &[low, high] in job.active {
+                mask.mark(&clip_from_local, frame.size, piece.origin, [low, high]);
+            }
+            (mask.list(), Vec::new())
+        };
 
         // Uniforms.
         let view = view_of(job, piece, &clip_from_local);
@@ -364,6 +373,7 @@ impl GpuBackend {
         let views = self.views.write(gpu, &[view]);
         let settings_buffer = self.settings.write(gpu, &settings);
         let tiles = self.tiles.write(gpu, &tile_list);
+        let runs = self.runs.write(gpu, &run_list);
         let target = self.target.reserve(gpu, pixels * 16);
         let resumes = dispatches.iter().any(|d| d.resume || d.store_progress);
         let progress = self
@@ -410,10 +420,6 @@ impl GpuBackend {
                 .iter()
                 .map(|p| self.kept_faces[&p.key].as_ref())
                 .collect();
-            let voxel_size = job.scene.volume.voxel_size();
-            let position = |axis: usize, plane: u16| {
-                (f64::from(plane) * job.block as f64 * voxel_size[axis]).min(frame.extent[axis])
-            };
             let viewer = viewer_of(job);
             self.faces.draw(
                 &mut encoder,
@@ -421,7 +427,6 @@ impl GpuBackend {
                 &group,
                 &parts,
                 &viewer,
-                position,
                 (&self.timer, RASTER),
             );
             self.timer.resolve(&mut encoder, RASTER);
@@ -467,6 +472,7 @@ impl GpuBackend {
             entries: &[
                 bind(0, wgpu::BindingResource::TextureView(&bounds.all)),
                 bind(1, work.as_entire_binding()),
+                bind(2, runs.as_entire_binding()),
             ],
         });
         let pipeline = self.march.pipeline(gpu, march)?;
@@ -580,7 +586,7 @@ fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch) -> MarchS
         resume: u32::from(dispatch.resume),
         store_progress: u32::from(dispatch.store_progress),
         tile_first: dispatch.tile_first,
-        pad1: 0,
+        takes_runs: u32::from(job.masks.is_some()),
     }
 }
 
@@ -646,6 +652,8 @@ fn viewer_of(job: &Job) -> Viewer {
         eye: job.camera.eye,
         parallel,
         grow: grow_of(job),
+        block_size: job.scene.volume.voxel_size() * job.block as f64,
+        extent: job.scene.frame.extent,
     }
 }
 

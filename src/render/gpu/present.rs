@@ -109,7 +109,7 @@ impl PresentPass {
                         "color"
                     }),
                     compilation_options: wgpu::PipelineCompilationOptions::default(),
-                    targets: &targets[..1 + usize::from(kind.has_depth)],
+                    targets: &targets[..=usize::from(kind.has_depth)],
                 }),
                 multiview_mask: None,
                 cache: None,

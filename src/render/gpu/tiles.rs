@@ -1,8 +1,14 @@
 //! Which 8x8 pixel tiles can show anything: the others are not marched.
 //!
 //! Boxes around the active parts are projected on the CPU in f64; a tile that no box's rectangle touches is left clear.
+//! Beam masks tell by themselves, and what runs of layers each tile's rays go through.
 
 use glam::{DMat4, DVec3};
+use rayon::prelude::*;
+
+use crate::gpu::abi::Tile;
+use crate::lattice::RayFrame;
+use crate::skip::beam_masks::{BeamMasks, Collapse, TileRuns};
 
 /// Edge of a tile in pixels: the marcher's workgroup.
 pub(super) const TILE: u32 = 8;
@@ -83,17 +89,82 @@ impl TileMask {
         }
     }
 
-    /// The marked tiles as the marcher reads them: x in the low, y in the high half-word.
-    pub(super) fn list(&self) -> Vec<u32> {
+    /// The marked tiles as the marcher reads them, without runs.
+    pub(super) fn list(&self) -> Vec<Tile> {
         let width = self.tiles[0] as usize;
-        let packed = |i: usize| (i % width) as u32 | ((i / width) as u32) << 16;
         self.marked
             .iter()
             .enumerate()
             .filter(|(_, marked)| **marked)
-            .map(|(i, _)| packed(i))
+            .map(|(i, _)| Tile {
+                at: packed((i % width) as u32, (i / width) as u32),
+                first_run: 0,
+                run_count: 0,
+                axis: 0,
+            })
             .collect()
     }
+}
+
+/// Column and row as the marcher reads them.
+fn packed(x: u32, y: u32) -> u32 {
+    x | y << 16
+}
+
+/// What stands for the ends of runs that have none, in grid coordinates: beyond every ray, and far from overflow.
+const FAR: f64 = 1e20;
+
+/// The tiles whose beams meet an active block, and the runs that they share out: begin and end along the tile's axis, in
+/// grid coordinates. The target of `size` pixels begins at `origin` in the frame's picture.
+pub(super) fn tile_runs(
+    masks: &BeamMasks,
+    frame: &RayFrame,
+    origin: [u32; 2],
+    size: [u32; 2],
+) -> (Vec<Tile>, Vec<[f32; 2]>) {
+    let span = |tile: u32, a: usize| {
+        let first = tile * TILE;
+        origin[a] + first..origin[a] + (first + TILE).min(size[a])
+    };
+    let rows: Vec<(Vec<Tile>, Vec<[f32; 2]>)> = (0..size[1].div_ceil(TILE))
+        .into_par_iter()
+        .map_init(TileRuns::default, |found, y| {
+            let (mut tiles, mut runs) = (Vec::new(), Vec::new());
+            for x in 0..size[0].div_ceil(TILE) {
+                masks.find(frame, span(x, 0), span(y, 1), Collapse::Runs, found);
+                if found.is_empty() {
+                    continue;
+                }
+                let first_run = runs.len() as u32;
+                match found.axis() {
+                    Some(_) => runs.extend(
+                        found
+                            .spans()
+                            .iter()
+                            .map(|span| span.map(|c| c.clamp(-FAR, FAR) as f32)),
+                    ),
+                    None => runs.push([-FAR as f32, FAR as f32]),
+                }
+                tiles.push(Tile {
+                    at: packed(x, y),
+                    first_run,
+                    run_count: runs.len() as u32 - first_run,
+                    axis: found.axis().unwrap_or(3) as u32,
+                });
+            }
+            (tiles, runs)
+        })
+        .collect();
+    let mut all = (Vec::new(), Vec::new());
+    for (tiles, runs) in rows {
+        let first = all.1.len() as u32;
+        all.0.extend(tiles.iter().map(|t| Tile {
+            first_run: t.first_run + first,
+            ..*t
+        }));
+        all.1.extend(runs);
+    }
+    all
 }
 
 #[cfg(test)]
@@ -129,8 +200,8 @@ mod tests {
                     let x = (clip.x / clip.w * 0.5 + 0.5) * 100.0;
                     let y = (0.5 - clip.y / clip.w * 0.5) * 70.0;
                     if clip.z > 0.0 && (0.0..100.0).contains(&x) && (0.0..70.0).contains(&y) {
-                        let tile = x as u32 / TILE | (y as u32 / TILE) << 16;
-                        assert!(list.contains(&tile), "pixel {x} {y}");
+                        let tile = packed(x as u32 / TILE, y as u32 / TILE);
+                        assert!(list.iter().any(|t| t.at == tile), "pixel {x} {y}");
                     }
                 }
             }
