@@ -73,7 +73,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let progress = Progress::bar("verifying");
     let mut tallies: Vec<Tally> = Vec::new();
     for (i, case) in cases.iter().enumerate() {
-        for outcome in verify::run(&mut renderer, &volume, &transfer, case, args.scene.size)? {
+        let (cuts, size) = (args.scene.cuts(), args.scene.size);
+        for outcome in verify::run(&mut renderer, &volume, &transfer, case, cuts, size)? {
             let method = outcome.skip.method().name;
             let at = tallies
                 .iter()

@@ -109,6 +109,7 @@ impl CpuPlan {
     /// # Errors
     /// [`Error::Setting`] where this backend does not have the method, or the occupancy is another volume's.
     pub fn new(skip: Skip, volume: &Volume, table: &Table, occupancy: &Occupancy) -> Result<Self> {
+        skip.check_backend("cpu")?;
         if occupancy.volume_dims != volume.dims {
             return Err(Error::setting(
                 "occupancy",
@@ -125,6 +126,7 @@ impl CpuPlan {
             Skip::HalfSplit => layers(Collapse::Halves),
             Skip::BeamMasks => layers(Collapse::Runs),
             Skip::DistanceMap => Skipping::Distance(DistanceMap::new(occupancy)),
+            Skip::KCuts => unreachable!("refused above"),
         };
         let background = with_voxels!(&volume.voxels, v => Background::find(table, v));
         // The paper's methods are kept as they are; those that look at blocks look at cells too.

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::mode::Mode;
 use crate::render::{Renderer, Settings};
 use crate::sample::Sampler;
-use crate::skip::{METHODS, Skip};
+use crate::skip::{Cuts, METHODS, Skip};
 use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 
@@ -200,7 +200,7 @@ pub struct Outcome {
     pub max_abs: f64,
 }
 
-/// Draws a case of the resident volume with box and every other lossless method, and compares.
+/// Draws a case of the resident volume with box and every other lossless method, cut as `cuts` says, and compares.
 ///
 /// # Errors
 /// As [`Renderer::render`].
@@ -209,11 +209,13 @@ pub fn run(
     volume: &Arc<Volume>,
     transfer: &TransferFunction,
     case: &Case,
+    cuts: Cuts,
     size: [u32; 2],
 ) -> Result<Vec<Outcome>> {
     let backend = renderer.info().backend;
     let mut settings = Settings {
         skip: Skip::Box,
+        cuts,
         sampler: Some(case.sampler),
         mode: Mode::EmissionAbsorption,
         block: case.block,
