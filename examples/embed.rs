@@ -14,7 +14,7 @@ use hollowcast::camera::Orbit;
 use hollowcast::gpu::{Gpu, buffer::read_back};
 use hollowcast::mode::Mode;
 use hollowcast::render::{Renderer, Settings, Targets};
-use hollowcast::skip::Skip;
+use hollowcast::skip::{Cuts, Skip};
 use hollowcast::transfer::{ControlPoint, TransferFunction};
 use hollowcast::volume::phantom;
 
@@ -110,6 +110,7 @@ fn main() -> Result<()> {
         size: [SIZE; 2],
         camera: Orbit::default().camera(volume.extent()),
         table_entries: 256,
+        cuts: Cuts::default(),
     };
     let targets = Targets {
         color: &color_view,

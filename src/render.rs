@@ -15,7 +15,7 @@ use crate::mode::Mode;
 use crate::reference;
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Picture, Progress, Scene};
-use crate::skip::{Plan, Skip};
+use crate::skip::{Cuts, Plan, Skip};
 use crate::transfer::{Domain, Table, TransferFunction};
 use crate::volume::Volume;
 
@@ -57,6 +57,8 @@ impl BackendChoice {
 pub struct Settings {
     /// WHERE samples are taken.
     pub skip: Skip,
+    /// Where half-split and k-cuts cut; the others do not read it.
+    pub cuts: Cuts,
     /// HOW; `None`: the backend's default.
     pub sampler: Option<Sampler>,
     /// WHAT is done with them.

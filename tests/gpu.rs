@@ -9,7 +9,7 @@ use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::Sampler;
 use hollowcast::scene::Picture;
-use hollowcast::skip::{METHODS, Skip};
+use hollowcast::skip::{Cuts, HalfCut, METHODS, Skip, SlabCount};
 use hollowcast::transfer::{ControlPoint, TransferFunction};
 use hollowcast::volume::{Volume, Voxels, phantom};
 
@@ -44,6 +44,7 @@ fn ramp(low: f64, high: f64, opacity: f64) -> TransferFunction {
 fn settings(volume: &Volume, skip: Skip, sampler: Sampler) -> Settings {
     Settings {
         skip,
+        cuts: Cuts::default(),
         sampler: Some(sampler),
         mode: Mode::EmissionAbsorption,
         block: 8,
@@ -77,13 +78,82 @@ fn skipping_changes_no_bit_of_any_phantom_in_any_pair_of_settings() {
         let volume = Arc::new(phantom::make(name, [41, 37, 48]).unwrap());
         renderer.set_volume(Arc::clone(&volume)).unwrap();
         renderer.set_transfer(transfer.clone());
-        let mut verifier = Verifier::new(&mut renderer, &volume, &transfer, [96, 96]);
+        let mut verifier =
+            Verifier::new(&mut renderer, &volume, &transfer, Cuts::default(), [96, 96]);
         for case in verify::pairwise() {
             for outcome in verifier.run(&case).unwrap() {
                 assert_eq!(outcome.differing_pixels, 0, "{name}: {case:?}: {outcome:?}");
             }
         }
     }
+}
+
+#[test]
+fn cutting_elsewhere_and_often_changes_no_bit() {
+    let mut renderer = renderer();
+    let transfer = ramp(40.0, 255.0, 0.3);
+    let cuts = [
+        SlabCount::Middle,
+        SlabCount::AtMost(3),
+        SlabCount::AtMost(8),
+    ]
+    .map(|slabs| Cuts {
+        half: HalfCut::Best,
+        slabs,
+    });
+    for name in ["pot", "shells", "gyroid"] {
+        let volume = Arc::new(phantom::make(name, [41, 37, 48]).unwrap());
+        renderer.set_volume(Arc::clone(&volume)).unwrap();
+        renderer.set_transfer(transfer.clone());
+        for cuts in cuts {
+            for case in verify::pairwise() {
+                for outcome in Verifier::new(&mut renderer, &volume, &transfer, cuts, [64, 64])
+                    .run(&case)
+                    .unwrap()
+                {
+                    assert_eq!(
+                        outcome.differing_pixels, 0,
+                        "{name}: {cuts:?}, {case:?}: {outcome:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn better_cuts_take_fewer_samples_of_cavities_off_centre() {
+    let mut renderer = renderer();
+    let n = 64;
+    // Two cavities in z, neither of them at the middle.
+    let is_cavity = |z: usize| (8..24).contains(&z) || (44..56).contains(&z);
+    let voxels: Vec<u8> = (0..n * n * n)
+        .map(|i| if is_cavity(i / n / n) { 0 } else { 200 })
+        .collect();
+    let volume = Arc::new(Volume {
+        voxels: Voxels::U8(voxels.into()),
+        ..phantom::make("empty", [n; 3]).unwrap()
+    });
+    renderer.set_volume(Arc::clone(&volume)).unwrap();
+    renderer.set_transfer(ramp(40.0, 255.0, 0.3));
+    let mut samples = |skip, half| {
+        let mut settings = settings(&volume, skip, Sampler::Exact);
+        settings.block = 4;
+        settings.cuts.half = half;
+        settings.camera = Orbit {
+            elevation_degrees: 80.0,
+            ..Orbit::default()
+        }
+        .camera(volume.extent());
+        renderer.count(&settings).unwrap().counters.samples
+    };
+    let middle = samples(Skip::HalfSplit, HalfCut::Middle);
+    let best = samples(Skip::HalfSplit, HalfCut::Best);
+    let several = samples(Skip::KCuts, HalfCut::Middle);
+    assert!(
+        several < best && best < middle,
+        "{several}, {best}, {middle}"
+    );
 }
 
 #[test]
@@ -187,7 +257,14 @@ fn a_picture_in_many_dispatches_is_that_of_one() {
     };
     settings.step_voxels = 24.0 / 60_000.0;
     let expected = 1.0 - 0.95_f64.powi(24);
-    for skip in [Skip::Box, Skip::Hull, Skip::HalfSplit, Skip::BeamMasks] {
+    let skips = [
+        Skip::Box,
+        Skip::Hull,
+        Skip::HalfSplit,
+        Skip::KCuts,
+        Skip::BeamMasks,
+    ];
+    for skip in skips {
         settings.skip = skip;
         let counted = renderer.count(&settings).unwrap();
         assert_eq!(counted.samples[27], 60_000, "{skip:?}");
@@ -219,7 +296,8 @@ fn a_picture_in_pieces_is_bit_identical_for_every_method() {
     settings.step_voxels = 2.0;
     let wide = renderer.render(&settings).unwrap().picture;
     assert!(wide.rgba.iter().any(|p| p[3] > 0.1));
-    for skip in [Skip::Hull, Skip::HalfSplit, Skip::BeamMasks] {
+    settings.cuts.slabs = SlabCount::AtMost(8);
+    for skip in [Skip::Hull, Skip::HalfSplit, Skip::KCuts, Skip::BeamMasks] {
         settings.skip = skip;
         assert_eq!(
             renderer

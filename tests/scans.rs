@@ -11,6 +11,7 @@ use hollowcast::measure::verify::{self, Verifier, View};
 use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::Sampler;
+use hollowcast::skip::Cuts;
 use hollowcast::transfer::TransferFunction;
 use hollowcast::volume::{self, Statistics};
 
@@ -38,7 +39,7 @@ fn check(path: &Path, backend: BackendChoice) {
         renderer
     };
     let mut renderer = ready(backend);
-    let mut verifier = Verifier::new(&mut renderer, &volume, &transfer, [96, 96]);
+    let mut verifier = Verifier::new(&mut renderer, &volume, &transfer, Cuts::default(), [96, 96]);
     for case in verify::pairwise() {
         if case.sampler == Sampler::Hardware && backend != BackendChoice::Gpu {
             continue;
@@ -65,6 +66,7 @@ fn check(path: &Path, backend: BackendChoice) {
                 size: [96, 96],
                 camera: view.camera(&volume, &transfer, is_parallel),
                 table_entries: 4096,
+                cuts: Cuts::default(),
             };
             let ours = renderer.render(&settings).unwrap().picture;
             settings.skip = reference.default_skip();

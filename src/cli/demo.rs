@@ -11,7 +11,7 @@ use hollowcast::mode::Mode;
 use hollowcast::output::{self, PngEncoding, heat};
 use hollowcast::render::{BackendChoice, BackendInfo, Settings};
 use hollowcast::scene::CountedPicture;
-use hollowcast::skip::{METHODS, Skip};
+use hollowcast::skip::{Cuts, METHODS, Skip};
 use hollowcast::transfer::{PRESETS, TransferFunction};
 use hollowcast::volume::{self, Statistics, Volume};
 use hollowcast::{Error, Result};
@@ -121,6 +121,7 @@ fn plan(volume: &Volume, size: [u32; 2], methods: &[Skip]) -> Plan {
         }],
         settings: Settings {
             skip: Skip::Box,
+            cuts: Cuts::default(),
             sampler: None,
             mode: Mode::EmissionAbsorption,
             block: 8,

@@ -6,7 +6,7 @@ use hollowcast::camera::Camera;
 use hollowcast::mode::Mode;
 use hollowcast::render::Settings;
 use hollowcast::sample::Sampler;
-use hollowcast::skip::Skip;
+use hollowcast::skip::{Cuts, HalfCut, Skip, SlabCount};
 use hollowcast::transfer::{PRESETS, TransferFunction};
 use hollowcast::volume::{Statistics, Volume};
 
@@ -39,6 +39,14 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = values::size)]
     pub(super) size: [u32; 2],
 
+    /// Where half-split cuts: in the middle, or where one plane saves most
+    #[arg(long, default_value = "middle", value_parser = values::named(HalfCut::ALL, HalfCut::name))]
+    pub(super) cut: HalfCut,
+
+    /// Into how many slabs k-cuts cuts: auto (as many as pay), at most N (2 to 8), or middle (two halves)
+    #[arg(long, value_name = "auto|N|middle", default_value = "auto", value_parser = values::slab_count)]
+    pub(super) cuts: SlabCount,
+
     #[arg(long, value_name = "WHERE", default_value = "az=30,el=20,dist=2,up=z,fov=45", help = camera::HELP)]
     pub(super) camera: CameraSpec,
 
@@ -58,6 +66,7 @@ impl SceneArgs {
     ) -> Settings {
         Settings {
             skip,
+            cuts: self.cuts(),
             sampler: self.sampler,
             mode: self.mode,
             block,
@@ -66,6 +75,14 @@ impl SceneArgs {
             size: self.size,
             camera,
             table_entries: self.table_size,
+        }
+    }
+
+    /// Where the methods that cut do so.
+    pub(super) fn cuts(&self) -> Cuts {
+        Cuts {
+            half: self.cut,
+            slabs: self.cuts,
         }
     }
 

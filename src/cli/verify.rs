@@ -77,7 +77,13 @@ pub(super) fn run(args: &Args) -> Result<()> {
 
     let progress = Progress::bar("verifying");
     let mut tallies: Vec<Tally> = Vec::new();
-    let mut verifier = Verifier::new(&mut renderer, &volume, &transfer, args.scene.size);
+    let mut verifier = Verifier::new(
+        &mut renderer,
+        &volume,
+        &transfer,
+        args.scene.cuts(),
+        args.scene.size,
+    );
     for (i, case) in cases.iter().enumerate() {
         for outcome in verifier.run(case)? {
             let method = outcome.skip.method().name;

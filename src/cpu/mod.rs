@@ -2,7 +2,7 @@
 //!
 //! The same three choices, the same lattice and the same contract as everywhere: a [`CpuPlan`] keeps what a skipping
 //! method needs of a volume, a table and an occupancy; [`render`] draws a [`Scene`] with it. Rays go eight at a time
-//! ([`packet`]) through tiles that rayon spreads over the threads. Every path of instructions and every number of
+//! (the `packet` module) through tiles that rayon spreads over the threads. Every path of instructions and every number of
 //! threads gives the same bits, as does every skipping method.
 
 #[cfg(target_arch = "x86_64")]
@@ -109,6 +109,7 @@ impl CpuPlan {
     /// # Errors
     /// [`Error::Setting`] where this backend does not have the method, or the occupancy is another volume's.
     pub fn new(skip: Skip, volume: &Volume, table: &Table, occupancy: &Occupancy) -> Result<Self> {
+        skip.check_backend("cpu")?;
         if occupancy.volume_dims != volume.dims {
             return Err(Error::setting(
                 "occupancy",
@@ -126,6 +127,7 @@ impl CpuPlan {
             Skip::HalfSplit => layers(Collapse::Halves),
             Skip::BeamMasks => layers(Collapse::Runs),
             Skip::DistanceMap => Skipping::Distance(DistanceMap::new(occupancy)),
+            Skip::KCuts => unreachable!("refused above"),
         };
         let background = with_voxels!(&volume.voxels, v => Background::find(table, v));
         // The paper's methods are kept as they are; those that look at blocks look at cells too.

@@ -10,7 +10,7 @@ use crate::mode::Mode;
 use crate::render::{Renderer, Settings};
 use crate::sample::Sampler;
 use crate::scene::Picture;
-use crate::skip::{METHODS, Skip};
+use crate::skip::{Cuts, METHODS, Skip};
 use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 
@@ -207,23 +207,26 @@ pub struct Verifier<'a> {
     renderer: &'a mut Renderer,
     volume: &'a Arc<Volume>,
     transfer: &'a TransferFunction,
+    cuts: Cuts,
     size: [u32; 2],
     /// The last case's picture by box, which does not depend on the block.
     by_box: Option<(Case, Picture)>,
 }
 
 impl<'a> Verifier<'a> {
-    /// For pictures of `size` pixels by a renderer whose volume and transfer function are these.
+    /// For pictures of `size` pixels, cut as `cuts` says, by a renderer whose volume and transfer function are these.
     pub fn new(
         renderer: &'a mut Renderer,
         volume: &'a Arc<Volume>,
         transfer: &'a TransferFunction,
+        cuts: Cuts,
         size: [u32; 2],
     ) -> Self {
         Self {
             renderer,
             volume,
             transfer,
+            cuts,
             size,
             by_box: None,
         }
@@ -246,6 +249,7 @@ impl<'a> Verifier<'a> {
                 .view
                 .camera(self.volume, self.transfer, case.is_parallel),
             table_entries: 256,
+            cuts: self.cuts,
         };
         let by_box = match self.by_box.take() {
             Some((last, picture))

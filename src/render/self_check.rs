@@ -14,7 +14,7 @@ use crate::camera::Orbit;
 use crate::error::Result;
 use crate::mode::Mode;
 use crate::sample::Sampler;
-use crate::skip::{METHODS, Skip};
+use crate::skip::{Cuts, METHODS, Skip};
 use crate::transfer::{ControlPoint, TransferFunction};
 use crate::volume::phantom;
 
@@ -105,6 +105,7 @@ fn check(renderer: &mut Renderer) -> Result<Vec<Skip>> {
         for distance_edges in [1.6, 0.1] {
             let mut settings = Settings {
                 skip: Skip::Box,
+                cuts: Cuts::default(),
                 sampler: Some(*sampler),
                 mode: Mode::EmissionAbsorption,
                 block: 4,

@@ -12,11 +12,12 @@ use super::gpu::Part;
 use super::{Preparation, Settings};
 use crate::camera::{Camera, Projection};
 use crate::cpu::CpuPlan;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::octree::{Accelerator, Hull, Occupancy};
 use crate::scene::Scene;
 use crate::skip::beam_masks::BeamMasks;
-use crate::skip::{self, Plan, Skip};
+use crate::skip::k_cuts::{BestCuts, CUT_SAMPLES, Planes};
+use crate::skip::{self, HalfCut, Plan, Skip, SlabCount};
 use crate::transfer::Table;
 
 /// Edge in voxels, about, of the boxes that tell which tiles can show anything.
@@ -56,8 +57,9 @@ struct Culled {
     mode: crate::mode::Mode,
     table: Arc<Table>,
     occupancy: Occupancy,
-    whole: Option<Hull>,
-    halves: [Option<[Hull; 2]>; 3],
+    /// By the blocks that they are of, as they were asked for first: a hull's place is its name.
+    hulls: Vec<([Range<usize>; 3], Hull)>,
+    best_cuts: [Option<BestCuts>; 3],
     /// Boxes around the active blocks, local coordinates.
     boxes: Vec<[DVec3; 2]>,
     cull_ms: f64,
@@ -93,26 +95,22 @@ impl Structures {
             return Ok((needs, Preparation::default()));
         }
         let kept = self.culled(settings, scene, table)?;
-        let regions = regions(settings, scene, &kept.accelerator);
         let (accelerator, build_ms) = (&kept.accelerator, kept.build_ms);
         let culled = kept.culled.as_mut().expect("culled just above");
-        culled.make_hulls(&regions);
         if settings.skip == Skip::BeamMasks && culled.masks.is_none() {
             culled.masks = Some(BeamMasks::new(culled.occupancy.clone()));
         }
+        let regions = culled.regions(settings, scene);
+        let places: Vec<usize> = regions.iter().map(|r| culled.make_hull(r)).collect();
         let culled = &*culled;
         let preparation = culled.preparation(accelerator, build_ms);
         let parts = regions
             .iter()
-            .map(|region| Part {
-                key: (culled.id, region.key()),
-                hull: culled.hull(region),
-                starts_near: starts_near(
-                    &culled.occupancy,
-                    &region.blocks,
-                    &settings.camera,
-                    scene,
-                ),
+            .zip(places)
+            .map(|(region, place)| Part {
+                key: (culled.id, place),
+                hull: &culled.hulls[place].1,
+                starts_near: starts_near(&culled.occupancy, region, &settings.camera, scene),
             })
             .collect();
         let needs = GpuNeeds {
@@ -137,9 +135,10 @@ impl Structures {
             return Ok((Plan::Box, Preparation::default()));
         }
         let kept = self.culled(settings, scene, table)?;
-        let culled = kept.culled.as_ref().expect("culled just above");
-        let occupancy = &culled.occupancy;
-        let plan = Plan::new(settings.skip, occupancy, settings.camera.forward())?;
+        let culled = kept.culled.as_mut().expect("culled just above");
+        let (axis, planes) = culled.planes(settings, scene);
+        let culled = &*culled;
+        let plan = Plan::with_planes(settings.skip, &culled.occupancy, axis, planes)?;
         Ok((plan, culled.preparation(&kept.accelerator, kept.build_ms)))
     }
 
@@ -150,6 +149,10 @@ impl Structures {
         scene: &Scene,
         table: &Arc<Table>,
     ) -> Result<(&CpuPlan, Preparation)> {
+        if settings.skip == Skip::HalfSplit && settings.cuts.half == HalfCut::Best {
+            let reason = "the cpu backend cuts in the middle; gpu, reference have best";
+            return Err(Error::setting("cut", reason));
+        }
         if settings.skip == Skip::Box {
             let is_current = self
                 .cpu_box
@@ -224,49 +227,16 @@ impl Structures {
     }
 }
 
-/// A part of the volume that is rasterised on its own.
-struct Region {
-    /// `None`: the whole; else axis and half (0: low).
-    half: Option<(usize, usize)>,
-    blocks: [Range<usize>; 3],
-}
-
-impl Region {
-    fn key(&self) -> u8 {
-        self.half
-            .map_or(0, |(axis, half)| 1 + (axis * 2 + half) as u8)
-    }
-}
-
-/// The regions of a method, near one first.
-fn regions(settings: &Settings, scene: &Scene, accelerator: &Accelerator) -> Vec<Region> {
-    match settings.skip {
-        // The others take no rasterised parts; the backend refuses what it does not have.
-        Skip::Box | Skip::BeamMasks | Skip::DistanceMap => Vec::new(),
-        Skip::Hull => vec![Region {
-            half: None,
-            blocks: accelerator.grid.dims.map(|n| 0..n),
-        }],
-        Skip::HalfSplit => {
-            let camera = &settings.camera;
-            let axis = skip::half_axis(camera.forward());
-            let cut = accelerator.cut(axis) as f64
-                * settings.block as f64
-                * scene.volume.voxel_size()[axis];
-            // A ray crosses the cut at most once, so the half on the camera's side comes first for every pixel.
-            let low_first = match camera.projection {
-                Projection::Perspective { .. } => camera.eye[axis] < cut,
-                Projection::Orthographic { .. } => camera.forward()[axis] > 0.0,
-            };
-            let order = if low_first { [0, 1] } else { [1, 0] };
-            order
-                .map(|half| Region {
-                    half: Some((axis, half)),
-                    blocks: accelerator.half_region(axis, half),
-                })
-                .into()
-        }
-    }
+/// Slabs between `planes` (local coordinates along `axis`), in an order that serves every ray of the camera: outward from
+/// the one that the eye is in, or from the first one that parallel rays meet. A ray leaves that slab upwards or downwards
+/// and never turns, so that the slabs of the other side are none of its own, whichever side is listed first.
+fn near_first(camera: &Camera, axis: usize, planes: &[f64]) -> impl Iterator<Item = usize> {
+    let nearest = match camera.projection {
+        Projection::Perspective { .. } => planes.partition_point(|&p| p <= camera.eye[axis]),
+        Projection::Orthographic { .. } if camera.forward()[axis] > 0.0 => 0,
+        Projection::Orthographic { .. } => planes.len(),
+    };
+    (nearest..=planes.len()).chain((0..nearest).rev())
 }
 
 /// Whether an active block of a region lies where rays start, give or take the larger of one sample and half a voxel:
@@ -325,8 +295,8 @@ impl Culled {
         accelerator: &Accelerator,
     ) -> Self {
         let start = Instant::now();
-        let halves =
-            (settings.skip == Skip::HalfSplit).then(|| skip::half_axis(settings.camera.forward()));
+        let is_halved = settings.skip == Skip::HalfSplit && settings.cuts.half == HalfCut::Middle;
+        let halves = is_halved.then(|| skip::half_axis(settings.camera.forward()));
         let occupancy = match halves {
             Some(axis) => accelerator.cull_halves(axis, table, settings.mode),
             None => accelerator.cull(table, settings.mode),
@@ -337,8 +307,8 @@ impl Culled {
             mode: settings.mode,
             table: Arc::clone(table),
             occupancy,
-            whole: None,
-            halves: Default::default(),
+            hulls: Vec::new(),
+            best_cuts: Default::default(),
             boxes,
             cull_ms: ms_since(start),
             cpu_plans: Vec::new(),
@@ -346,34 +316,69 @@ impl Culled {
         }
     }
 
-    fn make_hulls(&mut self, regions: &[Region]) {
-        let start = Instant::now();
-        for region in regions {
-            match region.half {
-                None if self.whole.is_none() => {
-                    self.whole = Some(Hull::build(&self.occupancy, region.blocks.clone()));
-                }
-                Some((axis, _)) if self.halves[axis].is_none() => {
-                    let [a, b] = [0, 1].map(|half| {
-                        let region = regions.iter().find(|r| r.half == Some((axis, half)));
-                        region.map_or_else(Hull::default, |r| {
-                            Hull::build(&self.occupancy, r.blocks.clone())
-                        })
-                    });
-                    self.halves[axis] = Some([a, b]);
-                }
-                _ => continue,
+    /// The axis that the settings' method cuts across, and where it does.
+    fn planes(&mut self, settings: &Settings, scene: &Scene) -> (usize, Planes) {
+        let axis = skip::half_axis(settings.camera.forward());
+        let middle = self.occupancy.half_cut(axis);
+        let block_size = scene.volume.voxel_size()[axis] * self.occupancy.block as f64;
+        let planes = match (settings.skip, settings.cuts.half, settings.cuts.slabs) {
+            (Skip::HalfSplit, HalfCut::Middle, _) | (Skip::KCuts, _, SlabCount::Middle) => {
+                Planes::new(&[middle])
             }
-            self.cull_ms += ms_since(start);
-        }
+            (Skip::HalfSplit, HalfCut::Best, _) => {
+                Planes::new(&[self.best_cuts(axis).single().unwrap_or(middle)])
+            }
+            (Skip::KCuts, _, SlabCount::Auto) => self
+                .best_cuts(axis)
+                .cheapest(CUT_SAMPLES * scene.frame.step / block_size),
+            (Skip::KCuts, _, SlabCount::AtMost(slabs)) => self.best_cuts(axis).at_most(slabs),
+            _ => Planes::default(),
+        };
+        (axis, planes)
     }
 
-    fn hull(&self, region: &Region) -> &Hull {
-        match region.half {
-            None => self.whole.as_ref(),
-            Some((axis, half)) => self.halves[axis].as_ref().map(|h| &h[half]),
+    fn best_cuts(&mut self, axis: usize) -> &BestCuts {
+        self.best_cuts[axis].get_or_insert_with(|| {
+            let start = Instant::now();
+            let best = BestCuts::new(&self.occupancy, axis);
+            self.cull_ms += ms_since(start);
+            best
+        })
+    }
+
+    /// The blocks of each part that the settings' method rasterises, near part first.
+    fn regions(&mut self, settings: &Settings, scene: &Scene) -> Vec<[Range<usize>; 3]> {
+        if !matches!(settings.skip, Skip::Hull | Skip::HalfSplit | Skip::KCuts) {
+            // The others take no rasterised parts; the backend refuses what it does not have.
+            return Vec::new();
         }
-        .expect("hulls are made before they are drawn")
+        let (axis, planes) = self.planes(settings, scene);
+        let block_size = scene.volume.voxel_size()[axis] * self.occupancy.block as f64;
+        let local: Vec<f64> = planes
+            .as_slice()
+            .iter()
+            .map(|&p| p as f64 * block_size)
+            .collect();
+        let slabs: Vec<_> = planes.slabs(self.occupancy.dims[axis]).collect();
+        near_first(&settings.camera, axis, &local)
+            .map(|slab| {
+                let mut region = self.occupancy.whole();
+                region[axis] = slabs[slab].clone();
+                region
+            })
+            .collect()
+    }
+
+    /// Builds the hull of a region, unless it stands, and tells its place.
+    fn make_hull(&mut self, region: &[Range<usize>; 3]) -> usize {
+        if let Some(place) = self.hulls.iter().position(|(r, _)| r == region) {
+            return place;
+        }
+        let start = Instant::now();
+        let hull = Hull::build(&self.occupancy, region.clone());
+        self.hulls.push((region.clone(), hull));
+        self.cull_ms += ms_since(start);
+        self.hulls.len() - 1
     }
 
     fn preparation(&self, accelerator: &Accelerator, build_ms: f64) -> Preparation {
@@ -385,12 +390,9 @@ impl Culled {
     }
 
     fn bytes(&self) -> u64 {
-        let hulls = self
-            .whole
-            .iter()
-            .chain(self.halves.iter().flatten().flatten());
+        let hulls = self.hulls.iter().map(|(_, h)| size_of_val(&h.faces[..]));
         (size_of_val(self.occupancy.words())
-            + hulls.map(|h| size_of_val(&h.faces[..])).sum::<usize>()
+            + hulls.sum::<usize>()
             + self.masks.as_ref().map_or(0, BeamMasks::bytes)) as u64
     }
 }

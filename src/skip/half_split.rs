@@ -2,6 +2,7 @@
 //! own, so that a cavity at the cut is not marched.
 
 use super::Listed;
+use super::k_cuts::{KCuts, Planes};
 use super::traversal::Line;
 use crate::octree::Occupancy;
 
@@ -17,21 +18,13 @@ pub struct HalfSplit<'a> {
 }
 
 impl HalfSplit<'_> {
-    /// The half that the ray enters first comes first: k only grows.
+    /// The half that the ray enters first comes first.
     pub(super) fn segments(&self, line: &Line) -> Listed {
-        let [start, end] = line.span();
-        let cut = line.crossing(self.axis, (self.cut * self.occupancy.block) as f64);
-        // A ray that stays in one half, or touches the other in a point, has one hull. So has one parallel to the cut,
-        // whose crossing is infinite.
-        let cut = cut.clamp(start, end);
-        let mut listed = Listed::default();
-        for half in [[start, cut], [cut, end]] {
-            // Halves of no length have no samples, unless the whole ray is one sample; the list drops its second copy.
-            let has_samples = half[0] < half[1] || start == end;
-            if has_samples && let Some(hull) = line.hull(self.occupancy, half) {
-                listed.push(line.padded(hull));
-            }
-        }
-        listed
+        let slabs = KCuts {
+            occupancy: self.occupancy,
+            axis: self.axis,
+            planes: Planes::new(&[self.cut]),
+        };
+        slabs.segments(line)
     }
 }

@@ -8,12 +8,14 @@ mod bounding_box;
 pub mod distance_map;
 mod half_split;
 mod hull;
+pub mod k_cuts;
 #[cfg(test)]
 mod tests;
 mod traversal;
 
 pub use half_split::HalfSplit;
 pub use hull::Hull;
+pub use k_cuts::{Cuts, HalfCut, KCuts, SlabCount};
 
 #[cfg(test)]
 mod support;
@@ -25,6 +27,7 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use crate::lattice::{Ray, Real};
 use crate::octree::Occupancy;
+use k_cuts::{BestCuts, DEFAULT_CUT_COST, MAX_SLABS, Planes};
 use traversal::Line;
 
 /// The choice of skipping method.
@@ -36,6 +39,8 @@ pub enum Skip {
     Hull,
     /// The hull of each half of the volume, cut across the view's dominant axis.
     HalfSplit,
+    /// The same with several cuts, placed where they pay.
+    KCuts,
     /// Runs of active layers along the view axis, one mask per tile of pixels.
     BeamMasks,
     /// Leaps of the distance to the nearest active block.
@@ -94,6 +99,16 @@ pub const METHODS: &[Method] = &[
         summary: "the hull of each half, cut across the view axis",
         origin: "Yu et al. 2016",
         known_failure: "a cavity off the cut, or a second one, is still marched",
+    },
+    Method {
+        skip: Skip::KCuts,
+        name: "k-cuts",
+        lossless: true,
+        backends: &["gpu", "reference"],
+        max_segments: MAX_SLABS,
+        summary: "the hull of each slab between planes placed where they pay",
+        origin: "this project",
+        known_failure: "every cut costs two raster passes; a cavity of few columns pays for none",
     },
     Method {
         skip: Skip::BeamMasks,
@@ -160,26 +175,51 @@ pub enum Plan<'a> {
     Hull(Hull<'a>),
     /// [`Skip::HalfSplit`].
     HalfSplit(HalfSplit<'a>),
+    /// [`Skip::KCuts`].
+    KCuts(KCuts<'a>),
 }
 
 impl<'a> Plan<'a> {
-    /// The method `skip` over these blocks for a camera that looks along `forward`; half-split cuts in the middle.
+    /// The method `skip` over these blocks for a camera that looks along `forward`; half-split cuts in the middle, k-cuts
+    /// as [`DEFAULT_CUT_COST`] has it.
+    ///
+    /// # Errors
+    /// As [`Self::with_planes`].
+    pub fn new(skip: Skip, occupancy: &'a Occupancy, forward: DVec3) -> Result<Self> {
+        let axis = half_axis(forward);
+        let planes = match skip {
+            Skip::KCuts => BestCuts::new(occupancy, axis).cheapest(DEFAULT_CUT_COST),
+            _ => Planes::new(&[occupancy.half_cut(axis)]),
+        };
+        Self::with_planes(skip, occupancy, axis, planes)
+    }
+
+    /// The method `skip` over these blocks, cut across `axis` at these planes if it cuts (half-split at the first).
     ///
     /// # Errors
     /// [`Error::Setting`] for methods that have no segments of a single ray: only the backends named in it have them.
-    pub fn new(skip: Skip, occupancy: &'a Occupancy, forward: DVec3) -> Result<Self> {
+    pub fn with_planes(
+        skip: Skip,
+        occupancy: &'a Occupancy,
+        axis: usize,
+        planes: Planes,
+    ) -> Result<Self> {
         match skip {
             Skip::Box => Ok(Self::Box),
             Skip::Hull => Ok(Self::Hull(Hull { occupancy })),
             Skip::HalfSplit => {
-                let axis = half_axis(forward);
-                let cut = occupancy.half_cut(axis);
+                let cut = planes.as_slice().first().copied().unwrap_or(0);
                 Ok(Self::HalfSplit(HalfSplit {
                     occupancy,
                     axis,
                     cut,
                 }))
             }
+            Skip::KCuts => Ok(Self::KCuts(KCuts {
+                occupancy,
+                axis,
+                planes,
+            })),
             Skip::BeamMasks | Skip::DistanceMap => Err(Error::setting(
                 "method",
                 format!("{} has no segments of a single ray", skip.method().name),
@@ -199,6 +239,7 @@ impl<'a> Plan<'a> {
             Self::Box => bounding_box::segments(&line),
             Self::Hull(hull) => hull.segments(&line),
             Self::HalfSplit(half_split) => half_split.segments(&line),
+            Self::KCuts(k_cuts) => k_cuts.segments(&line),
         }
     }
 }
@@ -221,7 +262,7 @@ pub trait Segments {
 }
 
 /// The most segments of a [`Listed`].
-const MAX_LISTED: usize = 2;
+const MAX_LISTED: usize = MAX_SLABS;
 
 /// Segments that are known before the march, ascending and disjoint.
 #[derive(Debug, Clone, Default)]

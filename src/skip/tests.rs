@@ -166,11 +166,13 @@ fn check<R: Real + Into<f64>>(occupancy: &Occupancy, camera: &Camera, frame: &Ra
             }
             covered_by.push((near..end).filter(covers).collect::<Vec<_>>());
         }
-        let [every, hull, half] = covered_by.as_slice() else {
-            panic!("the table lists box, hull, half-split");
+        let [every, hull, cut @ ..] = covered_by.as_slice() else {
+            panic!("the table lists box and hull first");
         };
         assert_eq!(every.len() as u32, end.saturating_sub(near));
-        assert!(half.iter().all(|k| hull.binary_search(k).is_ok()));
+        for cut in cut {
+            assert!(cut.iter().all(|k| hull.binary_search(k).is_ok()));
+        }
     }
 }
 
@@ -192,6 +194,32 @@ proptest! {
             let half = segments_of(&Plan::HalfSplit(half), &ray);
             prop_assert_eq!(half.first().map(|s| s.start), hull.first().map(|s| s.start));
             prop_assert_eq!(half.last().map(|s| s.end), hull.last().map(|s| s.end));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn slabs_between_any_planes_cover_all_that_may_contribute_within_the_hull(
+        (occupancy, camera, frame) in frames(),
+        axis in 0usize..3,
+        at in prop::collection::vec(any::<prop::sample::Index>(), 0..=7),
+    ) {
+        let mut at: Vec<_> = at.iter().map(|i| i.index(occupancy.dims[axis] + 1)).collect();
+        at.sort_unstable();
+        let planes = Planes::new(&at);
+        let plan = Plan::with_planes(Skip::KCuts, &occupancy, axis, planes).unwrap();
+        let hull = Plan::new(Skip::Hull, &occupancy, camera.forward()).unwrap();
+        let basis = frame.basis::<f64>();
+        for pixel in 0..frame.size[0] * frame.size[1] {
+            let ray = basis.ray(f64::from(pixel % frame.size[0]), f64::from(pixel / frame.size[0]));
+            let (slabs, hull) = (segments_of(&plan, &ray), segments_of(&hull, &ray));
+            support::check_ray(&occupancy, &ray, &slabs)?;
+            prop_assert!(slabs.len() <= at.len() + 1);
+            prop_assert_eq!(slabs.first().map(|s| s.start), hull.first().map(|s| s.start));
+            prop_assert_eq!(slabs.last().map(|s| s.end), hull.last().map(|s| s.end));
         }
     }
 }

@@ -56,6 +56,11 @@ impl Line {
         first.max(self.k_near) as u32..(last + 1.0).min(self.k_end) as u32
     }
 
+    /// Whether the line does not descend along `axis`.
+    pub(super) fn ascends(&self, axis: usize) -> bool {
+        self.delta[axis] >= 0.0
+    }
+
     /// Where the line crosses the plane at grid coordinate `plane` of `axis`, in `s`; infinite where it is parallel.
     pub(super) fn crossing(&self, axis: usize, plane: f64) -> f64 {
         if self.delta[axis] == 0.0 {

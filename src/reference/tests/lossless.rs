@@ -10,6 +10,7 @@ use crate::error::Error;
 use crate::octree::Occupancy;
 use crate::reference::{render, render_f64};
 use crate::scene::{CountedPicture, Progress};
+use crate::skip::k_cuts::{BestCuts, MAX_SLABS, Planes};
 use crate::skip::{HalfSplit, Plan, Skip};
 
 /// Brute force: each block by the least and greatest voxel of its closed support, its own voxels and one more around.
@@ -135,12 +136,16 @@ proptest! {
         let whole = counted(&scene, &Plan::Box);
         let exact = render_f64(&scene, &Plan::Box, &Progress::default()).expect("not cancelled");
 
-        let mut plans: Vec<Plan> = [Skip::Hull, Skip::HalfSplit]
+        let mut plans: Vec<Plan> = [Skip::Hull, Skip::HalfSplit, Skip::KCuts]
             .map(|skip| Plan::new(skip, &occupancy, camera.forward()).unwrap())
             .into();
         // Any cut will do, not only the one that pays.
         plans.extend((0..3).map(|axis| {
             Plan::HalfSplit(HalfSplit { occupancy: &occupancy, axis, cut: occupancy.dims[axis] / 3 })
+        }));
+        plans.extend((0..3).map(|axis| {
+            let planes = BestCuts::new(&occupancy, axis).at_most(MAX_SLABS);
+            Plan::with_planes(Skip::KCuts, &occupancy, axis, planes).unwrap()
         }));
         let mut hull_samples = None;
         for plan in plans {
@@ -241,4 +246,47 @@ fn a_picture_can_be_stopped_and_tells_how_far_it_is() {
         render(&scene, &Plan::Box, &progress),
         Err(Error::Cancelled)
     ));
+}
+
+/// Two cavities in z, neither of them at the middle, which lies in the matter between them.
+fn off_centre() -> Volume {
+    let n = 64;
+    let voxels: Vec<u8> = (0..n * n * n)
+        .map(|i| {
+            let [x, y, z] = [i % n, i / n % n, i / n / n];
+            let is_inside = [x, y].iter().all(|c| (4..60).contains(c)) && (4..60).contains(&z);
+            let is_cavity = (8..24).contains(&z) || (44..56).contains(&z);
+            if is_inside && !is_cavity { 200 } else { 0 }
+        })
+        .collect();
+    volume([n; 3], [1.0; 3], Voxels::U8(voxels.into()))
+}
+
+#[test]
+fn the_best_cut_takes_fewer_samples_of_a_cavity_off_centre_than_the_middle_one() {
+    let volume = off_centre();
+    let camera = Orbit {
+        elevation_degrees: 80.0,
+        ..Orbit::default()
+    }
+    .camera(volume.extent());
+    let frame = camera
+        .ray_frame(&volume, [32, 32], 0.5)
+        .expect("a valid view");
+    let table = ramp_from_40().bake(&domain(&volume, 256), 0.5);
+    let occupancy = occupancy(&volume, &table, 4);
+    let scene = scene(&volume, &table, &frame, 1.0);
+    let best = BestCuts::new(&occupancy, 2);
+    let samples = |skip, planes| {
+        let plan = Plan::with_planes(skip, &occupancy, 2, planes).unwrap();
+        counted(&scene, &plan).counters.samples
+    };
+    let middle = samples(Skip::HalfSplit, Planes::new(&[occupancy.half_cut(2)]));
+    let single = samples(Skip::HalfSplit, best.at_most(2));
+    let several = samples(Skip::KCuts, best.at_most(MAX_SLABS));
+    assert_eq!(best.at_most(MAX_SLABS).as_slice().len(), 2);
+    assert!(
+        several < single && single < middle,
+        "{several}, {single}, {middle}"
+    );
 }

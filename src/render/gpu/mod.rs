@@ -44,7 +44,7 @@ const MAX_SAMPLES_PER_DISPATCH: u64 = 1 << 27;
 /// Part of a volume whose bounds are rasterised: one segment of each ray.
 pub(super) struct Part<'a> {
     /// Names the part within its structure, for keeping its buffers.
-    pub(super) key: (u64, u8),
+    pub(super) key: (u64, usize),
     /// Its faces.
     pub(super) hull: &'a Hull,
     /// Whether an active block of it lies where rays start, so that its segment starts there.
@@ -74,7 +74,7 @@ pub(super) struct GpuBackend {
     march_filterable: bool,
     volume: Option<VolumeTexture>,
     bounds: Option<BoundsTexture>,
-    kept_faces: HashMap<(u64, u8), Option<FaceBuffers>>,
+    kept_faces: HashMap<(u64, usize), Option<FaceBuffers>>,
     views: GrowBuffer,
     settings: GrowBuffer,
     tiles: GrowBuffer,
