@@ -14,7 +14,7 @@ use crate::camera::Orbit;
 use crate::error::Result;
 use crate::mode::Mode;
 use crate::sample::Sampler;
-use crate::skip::{Cuts, METHODS, Skip};
+use crate::skip::{Cuts, METHODS, Method, Skip};
 use crate::transfer::{ControlPoint, TransferFunction};
 use crate::volume::phantom;
 
@@ -30,12 +30,14 @@ type Outcomes = BTreeMap<String, Vec<String>>;
 /// As [`Renderer::render`].
 pub(super) fn withdrawn(renderer: &mut Renderer, cache: Option<&Path>) -> Result<Vec<Skip>> {
     let info = renderer.info();
-    // A new version of the program has new shaders: what was found of the old ones says nothing.
+    // Another version of the program has other shaders and methods: what was found of those says nothing of these.
+    let tried: Vec<&str> = candidates().map(|m| m.name).collect();
     let key = format!(
-        "{} | {} | hollowcast {}",
+        "{} | {} | hollowcast {} | {}",
         info.adapter,
         info.driver,
-        env!("CARGO_PKG_VERSION")
+        env!("CARGO_PKG_VERSION"),
+        tried.join(" "),
     );
     let mut outcomes = cache.map(read).unwrap_or_default();
     let names = if let Some(names) = outcomes.get(&key) {
@@ -89,6 +91,13 @@ fn write(path: &Path, outcomes: &Outcomes) {
     }
 }
 
+/// The methods that are compared with box.
+fn candidates() -> impl Iterator<Item = &'static Method> {
+    METHODS
+        .iter()
+        .filter(|m| m.lossless && m.skip != Skip::Box && m.backends.contains(&"gpu"))
+}
+
 /// Draws a pot with something in it from outside and inside, and compares each method with box.
 fn check(renderer: &mut Renderer) -> Result<Vec<Skip>> {
     let volume = Arc::new(phantom::make("pot", [40, 36, 44])?);
@@ -120,10 +129,7 @@ fn check(renderer: &mut Renderer) -> Result<Vec<Skip>> {
                 table_entries: 256,
             };
             let picture = renderer.render(&settings)?.picture;
-            for method in METHODS
-                .iter()
-                .filter(|m| m.lossless && m.skip != Skip::Box && m.backends.contains(&"gpu"))
-            {
+            for method in candidates() {
                 settings.skip = method.skip;
                 let difference = renderer.render(&settings)?.picture.difference(&picture);
                 if difference.pixels > 0 && !failed.contains(&method.skip) {
