@@ -2,16 +2,17 @@
 # The full matrix: on every phantom, the scans that ship with the project and those in HOLLOWCAST_DATA, every lossless
 # method is compared with box, bit by bit, over all views and settings (see `hollowcast verify --help`).
 #
-# scripts/matrix.sh [BACKEND [SIZE]]    gpu unless another is named, 512 pixels; about an hour on two cores without a GPU
+# scripts/matrix.sh [BACKEND [SIZE [METHODS]]]    default: gpu, 512 pixels, all methods; hours on two cores without a GPU
 set -euo pipefail
 cd "$(dirname "$0")/.."
 backend=${1:-gpu}
 size=${2:-512}
+methods=${3:+--methods $3}
 
 cargo build --quiet --locked --release
 failed=0
 check() {
-    target/release/hollowcast verify "$@" --full --backend "$backend" --size "$size" || failed=1
+    target/release/hollowcast verify "$@" --full --backend "$backend" --size "$size" $methods || failed=1
 }
 for name in sphere shells pot capsules gyroid menger checkerboard noise empty full thin slab ramp; do
     check "phantom:$name:96" --tf ramp:40:255:0.3

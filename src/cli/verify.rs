@@ -5,6 +5,7 @@ use std::fmt::Write;
 use hollowcast::measure::verify::{self, Case, Verifier};
 use hollowcast::render::{BackendChoice, Renderer};
 use hollowcast::sample::Sampler;
+use hollowcast::skip::Skip;
 use hollowcast::{Error, Result};
 use serde_json::json;
 
@@ -38,6 +39,10 @@ pub(super) struct Args {
     /// Every combination of settings instead of every pair
     #[arg(long, help_heading = "Verification")]
     full: bool,
+
+    /// The methods that are compared with box [default: all lossless ones]
+    #[arg(long, value_delimiter = ',', value_parser = values::method(), help_heading = "Verification")]
+    methods: Vec<Skip>,
 
     /// Where the pictures are made
     #[arg(long, default_value = "auto", value_parser = values::named(BackendChoice::ALL, BackendChoice::name), help_heading = "Verification")]
@@ -84,6 +89,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
         args.scene.cuts(),
         args.scene.size,
     );
+    if !args.methods.is_empty() {
+        verifier = verifier.with_methods(args.methods.clone());
+    }
     for (i, case) in cases.iter().enumerate() {
         for outcome in verifier.run(case)? {
             let method = outcome.skip.method().name;

@@ -207,6 +207,8 @@ pub struct Verifier<'a> {
     renderer: &'a mut Renderer,
     volume: &'a Arc<Volume>,
     transfer: &'a TransferFunction,
+    /// What is compared with box.
+    methods: Vec<Skip>,
     cuts: Cuts,
     size: [u32; 2],
     /// The last case's picture by box, which does not depend on the block.
@@ -222,17 +224,29 @@ impl<'a> Verifier<'a> {
         cuts: Cuts,
         size: [u32; 2],
     ) -> Self {
+        let methods = METHODS
+            .iter()
+            .filter(|m| m.lossless && m.skip != Skip::Box)
+            .map(|m| m.skip);
+        let methods = methods.filter(|&m| renderer.has(m)).collect();
         Self {
             renderer,
             volume,
             transfer,
+            methods,
             cuts,
             size,
             by_box: None,
         }
     }
 
-    /// Draws a case with every lossless method that the backend has, and compares with box.
+    /// Compares these methods alone. One that the backend does not have is refused when it is drawn.
+    #[must_use]
+    pub fn with_methods(self, methods: Vec<Skip>) -> Self {
+        Self { methods, ..self }
+    }
+
+    /// Draws a case with every method, and compares with box.
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -263,16 +277,14 @@ impl<'a> Verifier<'a> {
             _ => self.renderer.render(&settings)?.picture,
         };
         let mut outcomes = Vec::new();
-        for method in METHODS.iter().filter(|m| m.lossless && m.skip != Skip::Box) {
-            if self.renderer.has(method.skip) {
-                settings.skip = method.skip;
-                let difference = self.renderer.render(&settings)?.picture.difference(&by_box);
-                outcomes.push(Outcome {
-                    skip: method.skip,
-                    differing_pixels: difference.pixels,
-                    max_abs: difference.max_abs,
-                });
-            }
+        for &skip in &self.methods {
+            settings.skip = skip;
+            let difference = self.renderer.render(&settings)?.picture.difference(&by_box);
+            outcomes.push(Outcome {
+                skip,
+                differing_pixels: difference.pixels,
+                max_abs: difference.max_abs,
+            });
         }
         self.by_box = Some((*case, by_box));
         Ok(outcomes)
