@@ -90,6 +90,8 @@ impl Error {
                 std::io::ErrorKind::NotFound
                     | std::io::ErrorKind::IsADirectory
                     | std::io::ErrorKind::NotADirectory
+                    | std::io::ErrorKind::AlreadyExists
+                    | std::io::ErrorKind::InvalidData
             ),
             Self::Gpu(_) | Self::Cancelled => false,
         }

@@ -419,3 +419,19 @@ fn the_demo_writes_its_pictures_and_prints_its_table() {
         assert_eq!(reader.info().width, width, "{name}");
     }
 }
+
+#[test]
+fn a_picture_never_replaces_the_volume_that_it_shows() {
+    let folder = tempfile::tempdir().unwrap();
+    let volume = path(folder.path(), "scan.png");
+    fs::copy(
+        concat!(env!("CARGO_MANIFEST_DIR"), "/data/stent.nrrd"),
+        &volume,
+    )
+    .unwrap();
+    let before = fs::read(&volume).unwrap();
+    let (code, error) = fails(&["render", &volume, "-o", &volume]);
+    assert_eq!(code, 2);
+    assert!(error.contains("the volume itself"), "{error}");
+    assert_eq!(fs::read(&volume).unwrap(), before);
+}

@@ -46,7 +46,12 @@ pub(super) struct Args {
     block: usize,
 
     /// Distance of samples in voxels (of the smallest spacing), or with u in parts of the longest box edge
-    #[arg(long, default_value = "0.5", help_heading = "Picture")]
+    #[arg(
+        long,
+        allow_negative_numbers = true,
+        default_value = "0.5",
+        help_heading = "Picture"
+    )]
     step: Step,
 
     /// Where the picture is made
@@ -98,6 +103,7 @@ struct Run {
 pub(super) fn run(args: &Args) -> Result<()> {
     // Refused before an hour of work rather than after.
     Format::from_path(&args.output)?;
+    args.volume.check_output(&args.output)?;
     let volume = args.volume.load()?;
     let transfer = args.scene.transfer(&volume)?;
     let camera = args.scene.camera.camera(&volume, 0.0);
@@ -123,13 +129,13 @@ pub(super) fn run(args: &Args) -> Result<()> {
         });
     }
     drop(progress);
-    report::notice_fallback(args.backend, renderer.info());
 
     let picture = match args.background.0 {
         Some(color) => output::over(&rendered.picture, color),
         None => rendered.picture.clone(),
     };
     output::write(&picture, &args.output, args.png_encoding())?;
+    report::notice_fallback(args.backend, renderer.info());
 
     if args.json {
         let mut object = json!({
@@ -199,10 +205,12 @@ fn facts(
         "preprocess_ms": preparation.preprocess_ms,
         "cull_ms": preparation.cull_ms,
         "structure_bytes": preparation.structure_bytes,
-        "raster_ms": rendered.times.raster_ms,
-        "cast_ms": rendered.times.cast_ms,
-        "frame_ms": rendered.times.frame_ms,
-        "read_back_ms": rendered.read_back_ms,
+        "first_frame": {
+            "raster_ms": rendered.times.raster_ms,
+            "cast_ms": rendered.times.cast_ms,
+            "frame_ms": rendered.times.frame_ms,
+            "read_back_ms": rendered.read_back_ms,
+        },
     });
     if !runs.is_empty() {
         object["repeat"] = json!({

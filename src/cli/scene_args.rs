@@ -51,7 +51,7 @@ pub(super) struct SceneArgs {
     pub(super) camera: CameraSpec,
 
     /// Opacity at which a ray stops; off: never
-    #[arg(long, value_name = "OPACITY", default_value = "0.98", value_parser = values::ert)]
+    #[arg(long, allow_negative_numbers = true, value_name = "OPACITY", default_value = "0.98", value_parser = values::ert)]
     pub(super) ert: f32,
 }
 

@@ -1,5 +1,6 @@
 //! Arguments that say which volume, and how much of it, shared by all subcommands that read one.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use clap::Args;
@@ -77,6 +78,26 @@ impl RawArgs {
 }
 
 impl VolumeArgs {
+    /// Checks, before any work is done, that `output` can be written and is not the volume itself.
+    pub(super) fn check_output(&self, output: &Path) -> Result<()> {
+        let bad = |reason: &str| Err(Error::file(output, "output", reason));
+        if output.is_dir() {
+            return bad("is a folder");
+        }
+        let folder = output.parent().filter(|p| !p.as_os_str().is_empty());
+        if folder.is_some_and(|p| !p.is_dir()) {
+            return bad("its folder does not exist");
+        }
+        let is_input = |output: &Path| {
+            let [a, b] = [output, Path::new(&self.volume)].map(Path::canonicalize);
+            matches!((a, b), (Ok(a), Ok(b)) if a == b)
+        };
+        if is_input(output) {
+            return bad("is the volume itself, which would be lost");
+        }
+        Ok(())
+    }
+
     /// Reads the volume and cuts it to what was asked for. What was lost in loading is told on stderr.
     pub(super) fn load(&self) -> Result<Arc<Volume>> {
         let progress = Progress::spinner("reading the volume");

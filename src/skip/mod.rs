@@ -154,7 +154,7 @@ impl Skip {
             return Ok(());
         }
         let reason = format!(
-            "the {backend} backend does not have {name}; {} has",
+            "the {backend} backend does not have {name}; it is on {}",
             backends.join(", ")
         );
         Err(Error::setting("method", reason))
