@@ -17,7 +17,7 @@ use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Picture, Progress, Scene};
 use crate::skip::{Cuts, Plan, Skip};
 use crate::transfer::{Domain, Table, TransferFunction};
-use crate::volume::Volume;
+use crate::volume::{Volume, statistics};
 
 use self::gpu::{GpuBackend, Job};
 use self::structures::Structures;
@@ -296,7 +296,7 @@ impl Renderer {
         if let Backend::Gpu(backend) = &mut self.backend {
             backend.set_volume(&volume)?;
         }
-        self.structures.set_range(stored_range(&volume));
+        self.structures.set_range(statistics::stored_range(&volume));
         self.volume = Some(volume);
         Ok(())
     }
@@ -497,15 +497,6 @@ impl Renderer {
         self.table = Some((key, Arc::clone(&table)));
         Ok(table)
     }
-}
-
-/// Smallest and largest stored number of a volume.
-fn stored_range(volume: &Volume) -> [f64; 2] {
-    crate::with_voxels!(&volume.voxels, v => {
-        let first = v[0];
-        let (low, high) = v.iter().fold((first, first), |(low, high), &s| (if s < low { s } else { low }, if s > high { s } else { high }));
-        [f64::from(low), f64::from(high)]
-    })
 }
 
 fn draw_cpu(

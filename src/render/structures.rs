@@ -9,7 +9,7 @@ use std::time::Instant;
 use glam::DVec3;
 
 use super::gpu::Part;
-use super::{Preparation, Settings};
+use super::{Preparation, Settings, ms_since};
 use crate::camera::{Camera, Projection};
 use crate::cpu::CpuPlan;
 use crate::error::{Error, Result};
@@ -420,8 +420,4 @@ fn boxes(occupancy: &Occupancy, scene: &Scene) -> Vec<[DVec3; 2]> {
         }
     }
     boxes
-}
-
-fn ms_since(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64() * 1e3
 }

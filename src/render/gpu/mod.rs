@@ -24,7 +24,7 @@ use crate::gpu::texture::VolumeTexture;
 use crate::gpu::timer::{Place, SpanTimer};
 use crate::gpu::{AdapterKind, Gpu};
 use crate::octree::Hull;
-use crate::render::FrameTimes;
+use crate::render::{FrameTimes, ms_since};
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Counters, Picture, Progress, Scene};
 use crate::skip::beam_masks::BeamMasks;
@@ -668,8 +668,4 @@ fn place<T: Copy>(from: &[T], piece: &Piece, size: [u32; 2], to: &mut [T]) {
         let at = (piece.origin[1] as usize + row) * size[0] as usize + piece.origin[0] as usize;
         to[at..at + width].copy_from_slice(pixels);
     }
-}
-
-fn ms_since(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64() * 1e3
 }
