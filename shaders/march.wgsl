@@ -41,12 +41,13 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
     var left = settings.max_iterations;
     var finished = false;
     loop {
-        // Only where a lane has used up its segment: no cost per sample.
-        while k >= k_stop && !finished {
+        // Only where a lane has used up its segment: no cost per sample. Every step advances k or the segment.
+        while k >= k_stop && !finished && left > 0u {
             let next = skip_next(&segment, ray, k);
-            finished = next.x >= next.y;
-            k = max(k, next.x);
+            k = next.x;
             k_stop = next.y;
+            finished = k >= ray.k_end;
+            left -= 1u;
             count_skip();
         }
         if finished || left == 0u {

@@ -334,7 +334,7 @@ impl Renderer {
                 let start = Instant::now();
                 backend.prepare(job)?;
                 preparation.cull_ms += ms_since(start);
-                preparation.structure_bytes += backend.face_bytes();
+                preparation.structure_bytes += backend.structure_bytes();
             }
             Ok(preparation)
         })
@@ -453,9 +453,11 @@ impl Renderer {
                 let (needs, preparation) = self.structures.gpu_needs(settings, &scene, &table)?;
                 let job = Job {
                     scene,
+                    skip: settings.skip,
                     camera: &settings.camera,
                     parts: needs.parts,
                     masks: needs.masks,
+                    blocks: needs.blocks,
                     block: settings.block,
                     active: &needs.active,
                 };

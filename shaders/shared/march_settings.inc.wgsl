@@ -24,6 +24,9 @@ struct MarchSettings {
     tile_first: u32,
     // Whether segments are the runs of the ray's tile.
     takes_runs: u32,
+    // Leaf blocks along x, y, z.
+    block_dims: vec3u,
+    pad1: u32,
 }
 
 // 8x8 pixels to march. Mirrors gpu::abi::Tile.

@@ -35,7 +35,7 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile) -> Segment {
     return Segment(tile.first_run, tile.first_run + tile.run_count, pixel, scale, entry * scale + 0.5, pad);
 }
 
-// The next segment [x, y) at or after sample k; empty at the end of the ray.
+// The next segment [x, y) at or after sample k; from the ray's end on where there is none.
 fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
     if settings.segment_count + settings.takes_runs == 0u {
         return vec2u(k, ray.k_end);
@@ -63,5 +63,5 @@ fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
         end = select(u32(k_exit), 0u, settings.takes_runs == 0u && bound.y <= 0.0);
         found = first < end;
     }
-    return select(vec2u(0u), vec2u(first, end), found);
+    return select(vec2u(max(k, ray.k_end)), vec2u(first, end), found);
 }

@@ -51,6 +51,8 @@ pub struct MarchSettings {
     pub store_progress: u32,
     pub tile_first: u32,
     pub takes_runs: u32,
+    pub block_dims: [u32; 3],
+    pub pad1: u32,
 }
 
 /// `Tile` in `shaders/shared/march_settings.inc.wgsl`.
@@ -110,7 +112,8 @@ mod tests {
         mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, pad1,
             extent, pad2, grid_from_local, pad3, centre, origin, size, pad4, clip_from_local);
         mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
-            tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, takes_runs);
+            tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, takes_runs,
+            block_dims, pad1);
         mirrors!(Tile: at, first_run, run_count, axis);
     }
 }

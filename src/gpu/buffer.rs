@@ -71,6 +71,48 @@ impl GrowBuffer {
     }
 }
 
+/// A device buffer for what stays the same over many frames: written only where it holds something else.
+#[derive(Debug)]
+pub struct KeptBuffer {
+    buffer: GrowBuffer,
+    holds: Option<u64>,
+}
+
+impl KeptBuffer {
+    /// An empty storage buffer.
+    pub fn new(label: &'static str) -> Self {
+        Self {
+            buffer: GrowBuffer::new(label, wgpu::BufferUsages::STORAGE),
+            holds: None,
+        }
+    }
+
+    /// The buffer with `data` in it, whose name is `id`; a buffer of any content for `None`.
+    pub fn holding(&mut self, gpu: &Gpu, data: Option<(u64, &[u32])>) -> &wgpu::Buffer {
+        match data {
+            Some((id, data)) if self.holds != Some(id) => {
+                self.holds = Some(id);
+                self.buffer.write(gpu, data)
+            }
+            Some(_) => self.buffer.get(),
+            None => {
+                let room = self.buffer.bytes();
+                self.buffer.reserve(gpu, room)
+            }
+        }
+    }
+
+    /// Forgets what it holds and frees its memory.
+    pub fn clear(&mut self) {
+        (self.holds, self.buffer.buffer) = (None, None);
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        self.buffer.bytes()
+    }
+}
+
 /// Copies the first `len` elements of `source` to the host; waits for all that was submitted.
 ///
 /// # Errors

@@ -25,6 +25,7 @@ shaders![
     "shared/ray.inc",
     "shared/view.inc",
     "skip/bounds.inc",
+    "skip/distance_map.inc",
 ];
 
 /// The text of pass `root` with all imports resolved. `choices` fills `{NAME}`s in import paths.

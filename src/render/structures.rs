@@ -41,6 +41,8 @@ pub(super) struct GpuNeeds<'a> {
     pub(super) parts: Vec<Part<'a>>,
     /// What tells each tile its segments, where nothing is rasterised.
     pub(super) masks: Option<&'a BeamMasks>,
+    /// What the method's own shader reads of every block, and its name.
+    pub(super) blocks: Option<(u64, &'a [u32])>,
     /// Boxes around all that can be seen, local coordinates.
     pub(super) active: Vec<[DVec3; 2]>,
 }
@@ -66,6 +68,8 @@ struct Culled {
     /// What the SIMD backend keeps, by method.
     cpu_plans: Vec<CpuPlan>,
     masks: Option<BeamMasks>,
+    /// What shaders of their own read of every block, by method; its place is part of its name.
+    words: Vec<(Skip, Vec<u32>)>,
 }
 
 impl Structures {
@@ -90,6 +94,7 @@ impl Structures {
             let needs = GpuNeeds {
                 parts: Vec::new(),
                 masks: None,
+                blocks: None,
                 active: vec![[DVec3::ZERO, scene.frame.extent]],
             };
             return Ok((needs, Preparation::default()));
@@ -100,6 +105,7 @@ impl Structures {
         if settings.skip == Skip::BeamMasks && culled.masks.is_none() {
             culled.masks = Some(BeamMasks::new(culled.occupancy.clone()));
         }
+        culled.make_words(settings.skip);
         let regions = culled.regions(settings, scene);
         let places: Vec<usize> = regions.iter().map(|r| culled.make_hull(r)).collect();
         let culled = &*culled;
@@ -119,6 +125,7 @@ impl Structures {
                 .masks
                 .as_ref()
                 .filter(|_| settings.skip == Skip::BeamMasks),
+            blocks: culled.words_of(settings.skip),
             active: culled.boxes.clone(),
         };
         Ok((needs, preparation))
@@ -313,7 +320,26 @@ impl Culled {
             cull_ms: ms_since(start),
             cpu_plans: Vec::new(),
             masks: None,
+            words: Vec::new(),
         }
+    }
+
+    /// Makes what a method's own shader reads, unless it stands or there is nothing to read.
+    fn make_words(&mut self, skip: Skip) {
+        if self.words.iter().any(|(s, _)| *s == skip) {
+            return;
+        }
+        let start = Instant::now();
+        if let Some(words) = skip.block_words(&self.occupancy) {
+            self.words.push((skip, words));
+        }
+        self.cull_ms += ms_since(start);
+    }
+
+    fn words_of(&self, skip: Skip) -> Option<(u64, &[u32])> {
+        let place = self.words.iter().position(|(s, _)| *s == skip)?;
+        let id = self.id << 8 | place as u64;
+        Some((id, &self.words[place].1))
     }
 
     /// The axis that the settings' method cuts across, and where it does.
@@ -393,6 +419,7 @@ impl Culled {
         let hulls = self.hulls.iter().map(|(_, h)| size_of_val(&h.faces[..]));
         (size_of_val(self.occupancy.words())
             + hulls.sum::<usize>()
+            + self.words.iter().map(|(_, w)| w.len() * 4).sum::<usize>()
             + self.masks.as_ref().map_or(0, BeamMasks::bytes)) as u64
     }
 }

@@ -64,7 +64,17 @@ impl DistanceMap {
         self.distances[(z * self.dims[1] + y) * self.dims[0] + x]
     }
 
-    /// Distances, x fastest: what shaders and packets read.
+    /// Four distances to a word, x fastest, the first in the lowest byte: what shaders read.
+    pub fn words(&self) -> Vec<u32> {
+        let word = |four: &[u8]| {
+            four.iter()
+                .rev()
+                .fold(0, |word, &d| word << 8 | u32::from(d))
+        };
+        self.distances.chunks(4).map(word).collect()
+    }
+
+    /// Distances, x fastest: what packets read.
     pub fn distances(&self) -> &[u8] {
         &self.distances
     }

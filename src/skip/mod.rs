@@ -27,6 +27,7 @@ use glam::DVec3;
 use crate::error::{Error, Result};
 use crate::lattice::{Ray, Real};
 use crate::octree::Occupancy;
+use distance_map::DistanceMap;
 use k_cuts::{BestCuts, DEFAULT_CUT_COST, MAX_SLABS, Planes};
 use traversal::Line;
 
@@ -56,6 +57,8 @@ pub struct Method {
     pub name: &'static str,
     /// Whether pictures are bit-identical to those of [`Skip::Box`].
     pub lossless: bool,
+    /// The file in `shaders/skip/` that draws it: methods whose segments are known before the march share one.
+    pub shader: &'static str,
     /// The backends that have it.
     pub backends: &'static [&'static str],
     /// The most segments a ray can have where they are known before the march.
@@ -74,6 +77,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::Box,
         name: "box",
         lossless: true,
+        shader: "bounds",
         backends: &["gpu", "cpu", "reference"],
         max_segments: 1,
         summary: "every sample inside the bounding box",
@@ -84,6 +88,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::Hull,
         name: "hull",
         lossless: true,
+        shader: "bounds",
         backends: &["gpu", "cpu", "reference"],
         max_segments: 1,
         summary: "from the first to the last active block",
@@ -94,6 +99,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::HalfSplit,
         name: "half-split",
         lossless: true,
+        shader: "bounds",
         backends: &["gpu", "cpu", "reference"],
         max_segments: 2,
         summary: "the hull of each half, cut across the view axis",
@@ -104,6 +110,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::KCuts,
         name: "k-cuts",
         lossless: true,
+        shader: "bounds",
         backends: &["gpu", "reference"],
         max_segments: MAX_SLABS,
         summary: "the hull of each slab between planes placed where they pay",
@@ -114,6 +121,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::BeamMasks,
         name: "beam-masks",
         lossless: true,
+        shader: "bounds",
         backends: &["gpu", "cpu"],
         max_segments: usize::MAX,
         summary: "runs of active layers along the view axis, one mask per tile of pixels",
@@ -124,7 +132,8 @@ pub const METHODS: &[Method] = &[
         skip: Skip::DistanceMap,
         name: "distance-map",
         lossless: true,
-        backends: &["cpu"],
+        shader: "distance_map",
+        backends: &["gpu", "cpu"],
         max_segments: usize::MAX,
         summary: "leaps of the Chebyshev distance to the nearest active block",
         origin: "Sramek & Kaufman 2000; Deakin & Knoll 2019",
@@ -158,6 +167,14 @@ impl Skip {
             backends.join(", ")
         );
         Err(Error::setting("method", reason))
+    }
+
+    /// What its shader reads of every block, if it has one of its own.
+    pub fn block_words(self, occupancy: &Occupancy) -> Option<Vec<u32>> {
+        match self {
+            Self::DistanceMap => Some(DistanceMap::new(occupancy).words()),
+            Self::Box | Self::Hull | Self::HalfSplit | Self::KCuts | Self::BeamMasks => None,
+        }
     }
 
     /// The method of this name.

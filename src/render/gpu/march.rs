@@ -12,6 +12,8 @@ use crate::sample::Sampler;
 /// What a compiled marcher is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) struct March {
+    /// The file in `shaders/skip/`.
+    pub(super) skip: &'static str,
     pub(super) sampler: Sampler,
     pub(super) mode: Mode,
     pub(super) counts: bool,
@@ -22,7 +24,7 @@ pub(super) struct March {
 pub(super) struct MarchPass {
     /// View, settings, tiles, target, progress, volume, filter, table.
     pub(super) scene_layout: wgpu::BindGroupLayout,
-    /// Bounds, work counters, runs.
+    /// Bounds, work counters, runs, blocks.
     pub(super) skip_layout: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
     pipelines: HashMap<March, wgpu::ComputePipeline>,
@@ -106,6 +108,7 @@ impl MarchPass {
                     ),
                     entry(1, storage(false)),
                     entry(2, storage(true)),
+                    entry(3, storage(true)),
                 ],
             });
         let layout = gpu
@@ -130,7 +133,7 @@ impl MarchPass {
     pub(super) fn pipeline(&mut self, gpu: &Gpu, march: March) -> Result<&wgpu::ComputePipeline> {
         if !self.pipelines.contains_key(&march) {
             let choices = [
-                ("SKIP", "bounds"),
+                ("SKIP", march.skip),
                 ("SAMPLER", march.sampler.name()),
                 ("MODE", march.mode.shader()),
                 ("COUNT", if march.counts { "on" } else { "off" }),

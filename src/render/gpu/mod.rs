@@ -1,9 +1,11 @@
 //! The GPU backend: resident volume, passes and targets.
 
+mod dispatch;
 mod faces;
 mod march;
 mod present;
 mod tiles;
+mod uniforms;
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,15 +13,17 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use self::faces::{BoundsTexture, FaceBuffers, FacesPass, Viewer};
+use self::dispatch::{TILES_PER_ROW, dispatches};
+use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
 use self::march::{March, MarchPass, SETTINGS_STRIDE, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
-use self::tiles::{TILE, TileMask, tile_runs};
-use crate::camera::{Camera, Projection};
+use self::tiles::{TileMask, tile_runs};
+use self::uniforms::{settings_of, view_of, viewer_of};
+use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::gpu::abi::{MarchSettings, View};
-use crate::gpu::buffer::{GrowBuffer, read_back};
+use crate::gpu::abi::MarchSettings;
+use crate::gpu::buffer::{GrowBuffer, KeptBuffer, read_back};
 use crate::gpu::texture::VolumeTexture;
 use crate::gpu::timer::{Place, SpanTimer};
 use crate::gpu::{AdapterKind, Gpu};
@@ -27,19 +31,13 @@ use crate::octree::Hull;
 use crate::render::{FrameTimes, ms_since};
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Counters, Picture, Progress, Scene};
+use crate::skip::Skip;
 use crate::skip::beam_masks::BeamMasks;
 use crate::volume::Volume;
-
-/// Iterations of one invocation in one dispatch. Mesa's software driver ends an invocation silently after 65,535, and
-/// real drivers have watchdogs.
-const MAX_ITERATIONS: u32 = 16_384;
 
 /// Largest edge of a target; larger pictures are drawn in pieces. 2,048 squared times 16 bytes is half of the 128 MiB
 /// that every adapter binds.
 const MAX_TARGET: u32 = 2048;
-
-/// Samples that one dispatch may take at most on hardware: about 100 ms on the slowest integrated GPUs.
-const MAX_SAMPLES_PER_DISPATCH: u64 = 1 << 27;
 
 /// Part of a volume whose bounds are rasterised: one segment of each ray.
 pub(super) struct Part<'a> {
@@ -54,15 +52,26 @@ pub(super) struct Part<'a> {
 /// One picture to draw.
 pub(super) struct Job<'a> {
     pub(super) scene: Scene<'a>,
+    pub(super) skip: Skip,
     pub(super) camera: &'a Camera,
     /// Near part first; empty: the bounding box, or what the masks tell.
     pub(super) parts: Vec<Part<'a>>,
     /// Tells each tile its segments.
     pub(super) masks: Option<&'a BeamMasks>,
+    /// What the method's own shader reads of every block, and its name.
+    pub(super) blocks: Option<(u64, &'a [u32])>,
     /// Leaf block edge in voxels.
     pub(super) block: usize,
     /// Boxes (local coordinates) outside which nothing is visible.
     pub(super) active: &'a [[DVec3; 2]],
+}
+
+impl Job<'_> {
+    /// Leaf blocks along x, y, z.
+    fn block_dims(&self) -> [u32; 3] {
+        let dims = self.scene.volume.dims;
+        dims.map(|n| n.div_ceil(self.block) as u32)
+    }
 }
 
 /// Device, resident volume, passes and targets.
@@ -79,6 +88,7 @@ pub(super) struct GpuBackend {
     settings: GrowBuffer,
     tiles: GrowBuffer,
     runs: GrowBuffer,
+    blocks: KeptBuffer,
     target: GrowBuffer,
     progress: GrowBuffer,
     work: GrowBuffer,
@@ -131,6 +141,7 @@ impl GpuBackend {
             settings: GrowBuffer::new("march settings", Usage::UNIFORM),
             tiles: GrowBuffer::new("tiles", Usage::STORAGE),
             runs: GrowBuffer::new("runs", Usage::STORAGE),
+            blocks: KeptBuffer::new("blocks"),
             target: GrowBuffer::new("target", storage),
             progress: GrowBuffer::new("progress", Usage::STORAGE),
             work: GrowBuffer::new("work", storage),
@@ -152,6 +163,7 @@ impl GpuBackend {
         // The old texture goes first: both need not fit.
         self.volume = None;
         self.kept_faces.clear();
+        self.blocks.clear();
         let resident = VolumeTexture::upload(&self.gpu, volume)?;
         if resident.filterable != self.march_filterable {
             self.march = MarchPass::new(&self.gpu, resident.filterable);
@@ -185,16 +197,14 @@ impl GpuBackend {
                 self.kept_faces.insert(part.key, faces);
             }
         }
+        self.blocks.holding(&self.gpu, job.blocks);
         Ok(())
     }
 
-    /// Bytes of vertex buffers that are kept.
-    pub(super) fn face_bytes(&self) -> u64 {
-        self.kept_faces
-            .values()
-            .flatten()
-            .map(FaceBuffers::bytes)
-            .sum()
+    /// Bytes on the device of what is kept from frame to frame besides the volume.
+    pub(super) fn structure_bytes(&self) -> u64 {
+        let faces = self.kept_faces.values().flatten();
+        faces.map(FaceBuffers::bytes).sum::<u64>() + self.blocks.bytes()
     }
 
     /// Draws a picture and leaves it on the device: what is timed.
@@ -380,6 +390,7 @@ impl GpuBackend {
             .progress
             .reserve(gpu, if resumes { pixels * 4 } else { 0 });
         let work = self.work.reserve(gpu, if counts { pixels * 16 } else { 0 });
+        let blocks = self.blocks.holding(gpu, job.blocks);
         let table = self.table.write(gpu, job.scene.table.rgba());
 
         let segments = job.parts.len();
@@ -393,6 +404,7 @@ impl GpuBackend {
         let bounds = self.bounds.as_ref().expect("made just above");
 
         let march = March {
+            skip: job.skip.method().shader,
             sampler: job.scene.sampler,
             mode: job.scene.mode,
             counts,
@@ -473,6 +485,7 @@ impl GpuBackend {
                 bind(0, wgpu::BindingResource::TextureView(&bounds.all)),
                 bind(1, work.as_entire_binding()),
                 bind(2, runs.as_entire_binding()),
+                bind(3, blocks.as_entire_binding()),
             ],
         });
         let pipeline = self.march.pipeline(gpu, march)?;
@@ -514,146 +527,6 @@ impl GpuBackend {
         }
         gpu.queue.submit([encoder.finish()]);
         Ok(())
-    }
-}
-
-/// Workgroups per row of a dispatch: below the 65,535 that every adapter allows.
-const TILES_PER_ROW: u32 = 32_768;
-
-/// One dispatch of the march.
-struct Dispatch {
-    tile_first: u32,
-    tile_count: u32,
-    resume: bool,
-    store_progress: bool,
-    /// Whether to hand it to the device on its own.
-    submit: bool,
-}
-
-/// Cuts a march into dispatches of bounded length.
-fn dispatches(job: &Job, tile_count: u32, is_software: bool) -> Vec<Dispatch> {
-    let longest = job.scene.frame.max_samples();
-    let rounds = ((longest / f64::from(MAX_ITERATIONS)).ceil() as u32).max(1);
-    let per_tile = longest.min(f64::from(MAX_ITERATIONS)) as u64 * u64::from(TILE * TILE);
-    // A software driver has no watchdog, and splitting costs it a barrier.
-    let tiles_at_once = if is_software && rounds == 1 {
-        tile_count.max(1)
-    } else {
-        ((MAX_SAMPLES_PER_DISPATCH / per_tile.max(1)) as u32).clamp(1, tile_count.max(1))
-    };
-    let mut list = Vec::new();
-    for round in 0..rounds {
-        for tile_first in (0..tile_count.max(1)).step_by(tiles_at_once as usize) {
-            list.push(Dispatch {
-                tile_first,
-                tile_count: tiles_at_once.min(tile_count - tile_first.min(tile_count)),
-                resume: round > 0,
-                store_progress: round + 1 < rounds,
-                submit: true,
-            });
-        }
-    }
-    list
-}
-
-fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch) -> MarchSettings {
-    let domain = job.scene.table.domain();
-    let dims = job.scene.volume.dims.map(|n| n as f32);
-    let near_mask = job
-        .parts
-        .iter()
-        .enumerate()
-        .map(|(i, p)| u32::from(p.starts_near) << i)
-        .sum();
-    MarchSettings {
-        dims,
-        x_scale: (domain.scale * volume.stored_per_raw) as f32,
-        inverse_dims: dims.map(|n| 1.0 / n),
-        raw_origin: ((domain.origin - volume.stored_at_zero) / volume.stored_per_raw) as f32,
-        entries: domain.entries as f32,
-        snap: domain.snap() as f32,
-        // Never means never, even where a sample is opaque.
-        ert: if job.scene.ert >= 1.0 {
-            f32::MAX
-        } else {
-            job.scene.ert
-        },
-        segment_count: job.parts.len() as u32,
-        near_mask,
-        tile_count: dispatch.tile_count,
-        tiles_per_row: TILES_PER_ROW,
-        max_iterations: MAX_ITERATIONS,
-        resume: u32::from(dispatch.resume),
-        store_progress: u32::from(dispatch.store_progress),
-        tile_first: dispatch.tile_first,
-        takes_runs: u32::from(job.masks.is_some()),
-    }
-}
-
-fn view_of(job: &Job, piece: &Piece, clip_from_local: &glam::DMat4) -> View {
-    let frame = job.scene.frame;
-    let v = |v: DVec3| v.as_vec3().to_array();
-    // The rasteriser sees the piece: zoom the picture's clip space into it.
-    let [w, h] = frame.size.map(f64::from);
-    let [pw, ph] = piece.size.map(f64::from);
-    let [x, y] = piece.origin.map(f64::from);
-    let zoom = glam::DMat4::from_cols(
-        glam::DVec4::new(w / pw, 0.0, 0.0, 0.0),
-        glam::DVec4::new(0.0, h / ph, 0.0, 0.0),
-        glam::DVec4::Z,
-        glam::DVec4::new((w - 2.0 * x) / pw - 1.0, 1.0 - (h - 2.0 * y) / ph, 0.0, 1.0),
-    );
-    // Rays start at most a thousandth of the box before it; grown faces stick out a little.
-    let depth = frame.extent.length() * 1.01 + 2.0 * grow_of(job);
-    View {
-        start: v(frame.start),
-        step: frame.step as f32,
-        start_dx: v(frame.start_dx),
-        depth_scale: f32::exp2(-(depth.log2().ceil() as f32)),
-        start_dy: v(frame.start_dy),
-        grow: grow_of(job) as f32,
-        dir: v(frame.dir),
-        block: job.block as f32,
-        dir_dx: v(frame.dir_dx),
-        start_depth: (frame.start - job.camera.eye).dot(job.camera.forward()) as f32,
-        dir_dy: v(frame.dir_dy),
-        pad1: 0.0,
-        extent: v(frame.extent),
-        pad2: 0.0,
-        grid_from_local: v(frame.grid_from_local),
-        pad3: 0.0,
-        centre: frame.size.map(|n| (f64::from(n) * 0.5 - 0.5) as f32),
-        origin: piece.origin,
-        size: piece.size,
-        pad4: [0; 2],
-        clip_from_local: (zoom * *clip_from_local).as_mat4().to_cols_array_2d(),
-    }
-}
-
-/// How far faces grow: a quarter voxel, and where the whole box covers few pixels, enough that the rasteriser's
-/// snapping to 1/256 of a pixel loses none.
-fn grow_of(job: &Job) -> f64 {
-    let extent = job.scene.volume.extent();
-    let pixel = match job.camera.projection {
-        Projection::Perspective { fov_y_degrees } => {
-            let farthest = (job.camera.eye - extent * 0.5).length() + extent.length() * 0.5;
-            farthest * (fov_y_degrees.to_radians() * 0.5).tan() * 2.0
-                / f64::from(job.scene.frame.size[1])
-        }
-        Projection::Orthographic { height } => height / f64::from(job.scene.frame.size[1]),
-    };
-    (pixel / 64.0).max(0.25)
-}
-
-fn viewer_of(job: &Job) -> Viewer {
-    let parallel = matches!(job.camera.projection, Projection::Orthographic { .. })
-        .then(|| job.camera.forward());
-    Viewer {
-        eye: job.camera.eye,
-        parallel,
-        grow: grow_of(job),
-        block_size: job.scene.volume.voxel_size() * job.block as f64,
-        extent: job.scene.frame.extent,
     }
 }
 

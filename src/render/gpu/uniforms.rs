@@ -1,0 +1,113 @@
+//! What the shaders are told of a picture: views and march settings.
+
+use glam::DVec3;
+
+use super::dispatch::{Dispatch, MAX_ITERATIONS, TILES_PER_ROW};
+use super::faces::Viewer;
+use super::{Job, Piece};
+use crate::camera::Projection;
+use crate::gpu::abi::{MarchSettings, View};
+use crate::gpu::texture::VolumeTexture;
+
+pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch) -> MarchSettings {
+    let domain = job.scene.table.domain();
+    let dims = job.scene.volume.dims.map(|n| n as f32);
+    let near_mask = job
+        .parts
+        .iter()
+        .enumerate()
+        .map(|(i, p)| u32::from(p.starts_near) << i)
+        .sum();
+    MarchSettings {
+        dims,
+        x_scale: (domain.scale * volume.stored_per_raw) as f32,
+        inverse_dims: dims.map(|n| 1.0 / n),
+        raw_origin: ((domain.origin - volume.stored_at_zero) / volume.stored_per_raw) as f32,
+        entries: domain.entries as f32,
+        snap: domain.snap() as f32,
+        // Never means never, even where a sample is opaque.
+        ert: if job.scene.ert >= 1.0 {
+            f32::MAX
+        } else {
+            job.scene.ert
+        },
+        segment_count: job.parts.len() as u32,
+        near_mask,
+        tile_count: dispatch.tile_count,
+        tiles_per_row: TILES_PER_ROW,
+        max_iterations: MAX_ITERATIONS,
+        resume: u32::from(dispatch.resume),
+        store_progress: u32::from(dispatch.store_progress),
+        tile_first: dispatch.tile_first,
+        takes_runs: u32::from(job.masks.is_some()),
+        block_dims: job.block_dims(),
+        pad1: 0,
+    }
+}
+
+pub(super) fn view_of(job: &Job, piece: &Piece, clip_from_local: &glam::DMat4) -> View {
+    let frame = job.scene.frame;
+    let v = |v: DVec3| v.as_vec3().to_array();
+    // The rasteriser sees the piece: zoom the picture's clip space into it.
+    let [w, h] = frame.size.map(f64::from);
+    let [pw, ph] = piece.size.map(f64::from);
+    let [x, y] = piece.origin.map(f64::from);
+    let zoom = glam::DMat4::from_cols(
+        glam::DVec4::new(w / pw, 0.0, 0.0, 0.0),
+        glam::DVec4::new(0.0, h / ph, 0.0, 0.0),
+        glam::DVec4::Z,
+        glam::DVec4::new((w - 2.0 * x) / pw - 1.0, 1.0 - (h - 2.0 * y) / ph, 0.0, 1.0),
+    );
+    // Rays start at most a thousandth of the box before it; grown faces stick out a little.
+    let depth = frame.extent.length() * 1.01 + 2.0 * grow_of(job);
+    View {
+        start: v(frame.start),
+        step: frame.step as f32,
+        start_dx: v(frame.start_dx),
+        depth_scale: f32::exp2(-(depth.log2().ceil() as f32)),
+        start_dy: v(frame.start_dy),
+        grow: grow_of(job) as f32,
+        dir: v(frame.dir),
+        block: job.block as f32,
+        dir_dx: v(frame.dir_dx),
+        start_depth: (frame.start - job.camera.eye).dot(job.camera.forward()) as f32,
+        dir_dy: v(frame.dir_dy),
+        pad1: 0.0,
+        extent: v(frame.extent),
+        pad2: 0.0,
+        grid_from_local: v(frame.grid_from_local),
+        pad3: 0.0,
+        centre: frame.size.map(|n| (f64::from(n) * 0.5 - 0.5) as f32),
+        origin: piece.origin,
+        size: piece.size,
+        pad4: [0; 2],
+        clip_from_local: (zoom * *clip_from_local).as_mat4().to_cols_array_2d(),
+    }
+}
+
+/// How far faces grow: a quarter voxel, and where the whole box covers few pixels, enough that the rasteriser's
+/// snapping to 1/256 of a pixel loses none.
+fn grow_of(job: &Job) -> f64 {
+    let extent = job.scene.volume.extent();
+    let pixel = match job.camera.projection {
+        Projection::Perspective { fov_y_degrees } => {
+            let farthest = (job.camera.eye - extent * 0.5).length() + extent.length() * 0.5;
+            farthest * (fov_y_degrees.to_radians() * 0.5).tan() * 2.0
+                / f64::from(job.scene.frame.size[1])
+        }
+        Projection::Orthographic { height } => height / f64::from(job.scene.frame.size[1]),
+    };
+    (pixel / 64.0).max(0.25)
+}
+
+pub(super) fn viewer_of(job: &Job) -> Viewer {
+    let parallel = matches!(job.camera.projection, Projection::Orthographic { .. })
+        .then(|| job.camera.forward());
+    Viewer {
+        eye: job.camera.eye,
+        parallel,
+        grow: grow_of(job),
+        block_size: job.scene.volume.voxel_size() * job.block as f64,
+        extent: job.scene.frame.extent,
+    }
+}
