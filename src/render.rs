@@ -1,5 +1,7 @@
 //! The [`Renderer`]: owns the backend, the resident volume and the structures, and draws pictures.
 
+mod auto;
+mod cache;
 mod gpu;
 mod self_check;
 mod structures;
@@ -19,9 +21,11 @@ use crate::skip::{Cuts, Plan, Skip};
 use crate::transfer::{Domain, Table, TransferFunction};
 use crate::volume::{Volume, statistics};
 
+use self::auto::Chooser;
 use self::gpu::{GpuBackend, Job};
 use self::structures::Structures;
 
+pub use self::auto::{BLOCKS, Choice, DEFAULT_BLOCK, MethodChoice};
 pub use self::gpu::Targets;
 
 /// Which backend to take.
@@ -137,6 +141,7 @@ pub struct Renderer {
     progress: Arc<Progress>,
     /// Methods that failed this adapter's self-check: drawn by box instead.
     withdrawn: Vec<Skip>,
+    chooser: Chooser,
 }
 
 enum Backend {
@@ -235,7 +240,7 @@ impl Renderer {
         };
         let mut renderer = Self::with_backend(Backend::Gpu(Box::new(backend)), info, progress);
         renderer.withdrawn =
-            self_check::withdrawn(&mut renderer, self_check::cache_file().as_deref())?;
+            self_check::withdrawn(&mut renderer, cache::file("self-check.json").as_deref())?;
         for skip in &renderer.withdrawn {
             tracing::warn!(
                 "{} failed the self-check on this adapter: box is drawn instead",
@@ -256,6 +261,7 @@ impl Renderer {
             table: None,
             progress,
             withdrawn: Vec::new(),
+            chooser: Chooser::default(),
         }
     }
 
@@ -267,14 +273,6 @@ impl Renderer {
     /// Whether this backend has a method.
     pub fn has(&self, skip: Skip) -> bool {
         skip.check_backend(self.info.backend).is_ok()
-    }
-
-    /// The method to take where none was asked for: the fastest of the backend's on hollow data.
-    pub fn default_skip(&self) -> Skip {
-        match &self.backend {
-            Backend::Cpu(_) => Skip::BeamMasks,
-            Backend::Gpu(_) | Backend::Reference => Skip::HalfSplit,
-        }
     }
 
     /// Methods that failed the self-check on this adapter; box is drawn in their place.
@@ -301,8 +299,14 @@ impl Renderer {
         Ok(())
     }
 
+    /// Drops all that was built for the volume: the next frame builds what it needs anew, as if it were the first.
+    pub fn drop_structures(&mut self) {
+        self.structures.clear();
+    }
+
     fn forget_volume(&mut self) {
-        self.structures = Structures::default();
+        self.structures.clear();
+        self.chooser.forget_volume();
         self.table = None;
         self.volume = None;
     }
@@ -312,6 +316,7 @@ impl Renderer {
         if self.transfer.as_ref() != Some(&transfer) {
             self.transfer = Some(transfer);
             self.table = None;
+            self.chooser.forget_transfer();
         }
     }
 

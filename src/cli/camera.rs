@@ -85,6 +85,18 @@ impl CameraSpec {
     }
 }
 
+impl CameraSpec {
+    /// So many views evenly around the box; a camera at a place is one.
+    pub(super) fn views(&self, volume: &Volume, count: u32) -> Vec<Camera> {
+        let count = match self {
+            Self::Around(_) => count,
+            Self::At { .. } => 1,
+        };
+        let turn = |i: u32| 360.0 * f64::from(i) / f64::from(count);
+        (0..count).map(|i| self.camera(volume, turn(i))).collect()
+    }
+}
+
 impl FromStr for CameraSpec {
     type Err = String;
 

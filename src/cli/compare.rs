@@ -3,15 +3,13 @@
 use std::sync::Arc;
 
 use hollowcast::Result;
-use hollowcast::camera::Camera;
-use hollowcast::measure::compare::{Comparison, Plan, ReferencePlan, compare};
-use hollowcast::render::{BackendChoice, BackendInfo, Renderer};
+use hollowcast::measure::compare::{Comparison, Plan, ReferencePlan, Row, compare};
+use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Renderer};
 use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::TransferFunction;
 use hollowcast::volume::Volume;
 use serde_json::{Value, json};
 
-use super::camera::CameraSpec;
 use super::progress::Progress;
 use super::scene_args::{self, SceneArgs};
 use super::values::{self, Step};
@@ -21,7 +19,7 @@ use super::{report, table};
 const EXAMPLES: &str = "\
 Examples:
   hollowcast compare scan.nrrd
-  hollowcast compare scan.nrrd --methods box,hull,half-split --steps 0.002u,0.005u,0.01u --json
+  hollowcast compare scan.nrrd --methods box,hull,half-split,auto --steps 0.002u,0.005u,0.01u --json
   hollowcast compare teapot.nrrd --pad-cube --tf ramp:40:255:0.3 --blocks 4,8,16
   hollowcast compare phantom:noise:128 --backends cpu,gpu --size 256 --repeat 5
 
@@ -40,9 +38,9 @@ pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// The methods, on every backend that has them; box is added where it is missing [default: all]
-    #[arg(long, value_delimiter = ',', value_parser = values::method(), help_heading = "Comparison")]
-    methods: Vec<Skip>,
+    /// The methods, on every backend that has them, and auto; box is added where it is missing [default: all methods]
+    #[arg(long, value_delimiter = ',', value_parser = values::method_or_auto(), help_heading = "Comparison")]
+    methods: Vec<MethodChoice>,
 
     /// Distances of samples in voxels, or with u in parts of the longest box edge
     #[arg(
@@ -53,7 +51,7 @@ pub(super) struct Args {
     )]
     steps: Vec<Step>,
 
-    /// Edges of the leaf blocks in voxels: 4, 8, 16, 32
+    /// Edges of the leaf blocks in voxels: 2, 4, 8, 16, 32, 64; auto chooses its own
     #[arg(long, value_name = "N", value_delimiter = ',', default_value = "8", value_parser = scene_args::block, help_heading = "Comparison")]
     blocks: Vec<usize>,
 
@@ -105,8 +103,25 @@ pub(super) fn run(args: &Args) -> Result<()> {
         super::print_json(&args.json(&volume, &plan, &comparison, &infos))
     } else {
         super::print(&heading(&volume, &plan, &comparison, &infos))?;
-        super::print(&table::comparison(&comparison.rows))
+        super::print(&table::comparison(&comparison.rows))?;
+        super::print(&choices(&comparison.rows))
     }
+}
+
+/// What auto chose, a line for each of its rows.
+fn choices(rows: &[Row]) -> String {
+    let lines: Vec<String> = rows
+        .iter()
+        .filter(|row| !row.chosen.is_empty())
+        .map(|row| {
+            let (backend, step) = (row.backend, &row.step);
+            format!("auto on {backend} at {step}: {}", row.chosen.join("; "))
+        })
+        .collect();
+    if lines.is_empty() {
+        return String::new();
+    }
+    format!("\n{}\n", lines.join("\n"))
 }
 
 /// A renderer with its volume and transfer function set.
@@ -172,19 +187,6 @@ pub(super) fn heading(
 }
 
 impl Args {
-    fn views(&self, volume: &Volume) -> Vec<Camera> {
-        let count = match self.scene.camera {
-            CameraSpec::Around(_) => self.views,
-            CameraSpec::At { .. } => 1,
-        };
-        (0..count)
-            .map(|i| {
-                let turn = 360.0 * f64::from(i) / f64::from(count);
-                self.scene.camera.camera(volume, turn)
-            })
-            .collect()
-    }
-
     fn plan(&self, volume: &Volume, renderers: &[Renderer]) -> Plan {
         let mut methods = self.methods.clone();
         if methods.is_empty() {
@@ -192,12 +194,14 @@ impl Args {
                 .iter()
                 .map(|m| m.skip)
                 .filter(|&m| renderers.iter().any(|r| r.has(m)))
+                .map(MethodChoice::Only)
                 .collect();
         }
-        if !methods.contains(&Skip::Box) {
-            methods.insert(0, Skip::Box);
+        let base = MethodChoice::Only(Skip::Box);
+        if !methods.contains(&base) {
+            methods.insert(0, base);
         }
-        let views = self.views(volume);
+        let views = self.scene.camera.views(volume, self.views);
         let steps: Vec<_> = self
             .steps
             .iter()

@@ -9,7 +9,7 @@ use hollowcast::camera::Orbit;
 use hollowcast::measure::compare::{Plan, ReferencePlan, Row};
 use hollowcast::mode::Mode;
 use hollowcast::output::{self, PngEncoding, heat};
-use hollowcast::render::{BackendChoice, BackendInfo, Settings};
+use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Settings};
 use hollowcast::scene::CountedPicture;
 use hollowcast::skip::{Cuts, METHODS, Skip};
 use hollowcast::transfer::{PRESETS, TransferFunction};
@@ -113,7 +113,7 @@ fn plan(volume: &Volume, size: [u32; 2], methods: &[Skip]) -> Plan {
     let views = vec![view(30.0), view(120.0)];
     let step = 0.5;
     Plan {
-        methods: methods.to_vec(),
+        methods: methods.iter().map(|&m| MethodChoice::Only(m)).collect(),
         blocks: vec![8],
         steps: vec![hollowcast::measure::compare::NamedStep {
             name: step.to_string(),

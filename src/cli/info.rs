@@ -37,7 +37,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "NAME|RAMP|FILE", default_value = PRESETS[0].name, help = scene_args::tf_help())]
     tf: String,
 
-    /// Edge of the blocks that are counted, in voxels: 4, 8, 16 or 32
+    /// Edge of the blocks that are counted, in voxels: 2, 4, 8, 16, 32 or 64
     #[arg(long, value_name = "N", default_value = "8", value_parser = scene_args::block)]
     block: usize,
 

@@ -10,6 +10,7 @@ mod render;
 mod report;
 mod scene_args;
 mod table;
+mod tune;
 mod values;
 mod verify;
 mod volume_args;
@@ -29,6 +30,7 @@ Examples:
   hollowcast render scan.nrrd -o scan.png                  one picture
   hollowcast render scan.mhd --tf ramp:40:255:0.3 --camera az=120,el=35,dist=1.8 -o scan.exr
   hollowcast compare scan.nii.gz --steps 0.002u,0.005u,0.01u --json > rows.json
+  hollowcast tune scan.nrrd                                the fastest method, blocks and cuts, as a profile for render
   hollowcast verify scan.nrrd                              does skipping change one bit?
   hollowcast phantom pot 256 -o pot.nrrd                   a test volume
 
@@ -47,6 +49,7 @@ struct Cli {
 enum Command {
     Render(render::Args),
     Compare(compare::Args),
+    Tune(tune::Args),
     Verify(verify::Args),
     Info(info::Args),
     Phantom(phantom::Args),
@@ -71,6 +74,7 @@ pub(crate) fn main() -> ExitCode {
     let done = match cli.command {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
+        Command::Tune(args) => tune::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Phantom(args) => phantom::run(&args),

@@ -3,11 +3,16 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use hollowcast::Result;
+use hollowcast::camera::Camera;
+use hollowcast::measure::profile::Profile;
 use hollowcast::measure::statistics::quartiles;
 use hollowcast::output::{self, Curve, Depth, Format, PngEncoding};
-use hollowcast::render::{BackendChoice, FrameTimes, Preparation, Rendered, Renderer, Settings};
-use hollowcast::skip::Skip;
+use hollowcast::render::{
+    BackendChoice, Choice, DEFAULT_BLOCK, FrameTimes, MethodChoice, Preparation, Rendered,
+    Renderer, Settings,
+};
+use hollowcast::skip::{Cuts, Skip};
+use hollowcast::{Error, Result};
 use serde_json::{Value, json};
 
 use super::progress::Progress;
@@ -23,9 +28,13 @@ Examples:
   hollowcast render pot_256x256x178_uint8.raw --tf ramp:40:255:0.3 --step 0.002u --pad-cube
   hollowcast render scan.nii.gz --camera 'eye=64,64,10;target=64,64,100;up=0,1,0' --background '#20242c'
   hollowcast render scan.mha --repeat 20 --json
+  hollowcast render scan.nrrd --profile scan.profile.toml
 
 .png holds straight colour (sRGB-encoded unless --png-curve linear); .npy and .exr hold linear f32 colour multiplied by
-opacity, before quantisation. A file of that name is replaced only once the new one is complete.";
+opacity, before quantisation. A file of that name is replaced only once the new one is complete.
+
+auto, the default method, chooses method, blocks and cuts for this picture and adapter; the picture is the same to the bit.
+On an adapter's first use it draws some small frames to learn what work costs there, for about a second.";
 
 /// Draws one picture of a volume.
 #[derive(Debug, clap::Args)]
@@ -37,13 +46,17 @@ pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Where samples are taken [default: beam-masks on the cpu backend, else half-split]
-    #[arg(long, value_parser = values::method(), help_heading = "Picture")]
-    method: Option<Skip>,
+    /// Where samples are taken [default: auto]
+    #[arg(long, value_parser = values::method_or_auto(), help_heading = "Picture")]
+    method: Option<MethodChoice>,
 
-    /// Edge of the leaf blocks in voxels: 4, 8, 16 or 32
-    #[arg(long, value_name = "N", default_value = "8", value_parser = scene_args::block, help_heading = "Picture")]
-    block: usize,
+    /// Edge of the leaf blocks in voxels: 2, 4, 8, 16, 32 or 64 [default: 8; auto chooses it]
+    #[arg(long, value_name = "N", value_parser = scene_args::block, help_heading = "Picture")]
+    block: Option<usize>,
+
+    /// Method, blocks, cuts and backend that `hollowcast tune` found; what is given as a flag counts instead
+    #[arg(long, value_name = "FILE", help_heading = "Picture")]
+    profile: Option<PathBuf>,
 
     /// Distance of samples in voxels (of the smallest spacing), or with u in parts of the longest box edge
     #[arg(
@@ -54,9 +67,9 @@ pub(super) struct Args {
     )]
     step: Step,
 
-    /// Where the picture is made
-    #[arg(long, default_value = "auto", value_parser = values::named(BackendChoice::ALL, BackendChoice::name), help_heading = "Picture")]
-    backend: BackendChoice,
+    /// Where the picture is made [default: auto]
+    #[arg(long, value_parser = values::named(BackendChoice::ALL, BackendChoice::name), help_heading = "Picture")]
+    backend: Option<BackendChoice>,
 
     /// The file to write; .png, .npy or .exr
     #[arg(
@@ -104,16 +117,23 @@ pub(super) fn run(args: &Args) -> Result<()> {
     // Refused before an hour of work rather than after.
     Format::from_path(&args.output)?;
     args.volume.check_output(&args.output)?;
+    let profile = args.profile.as_deref().map(Profile::read).transpose()?;
+    let method = args.method(profile.as_ref())?;
     let volume = args.volume.load()?;
     let transfer = args.scene.transfer(&volume)?;
     let camera = args.scene.camera.camera(&volume, 0.0);
     let step = args.step.in_box(volume.extent());
     let progress = Progress::spinner("drawing");
-    let mut renderer = Renderer::new(args.backend)?;
-    let skip = args.method.unwrap_or_else(|| renderer.default_skip());
-    let settings = args.scene.settings(skip, args.block, step.voxels, camera);
+    let backend = profile.map_or(BackendChoice::Auto, |p| p.backend);
+    let backend = args.backend.unwrap_or(backend);
+    let mut renderer = Renderer::new(backend)?;
     renderer.set_volume(volume.clone())?;
     renderer.set_transfer(transfer);
+    let settings = args.settings(method, profile.as_ref(), step.voxels, camera);
+    let settings = match method {
+        MethodChoice::Only(_) => settings,
+        MethodChoice::Auto => renderer.choose(&settings)?.in_settings(&settings),
+    };
     let preparation = renderer.prepare(&settings)?;
     let rendered = renderer.render(&settings)?;
     let mut runs = Vec::new();
@@ -135,13 +155,14 @@ pub(super) fn run(args: &Args) -> Result<()> {
         None => rendered.picture.clone(),
     };
     output::write(&picture, &args.output, args.png_encoding())?;
-    report::notice_fallback(args.backend, renderer.info());
+    report::notice_fallback(backend, renderer.info());
 
     if args.json {
         let mut object = json!({
             "adapter": report::adapter_json(renderer.info()),
             "volume": report::volume_json(&volume),
             "step": step.name,
+            "asked_method": method.name(),
             "output": args.output.display().to_string(),
         });
         let more = facts(&settings, &preparation, &rendered, &runs);
@@ -151,12 +172,17 @@ pub(super) fn run(args: &Args) -> Result<()> {
         super::print_json(&object)
     } else {
         let mut text = format!(
-            "{}: {}, {}x{}, {} with sampler {} on {}\n",
+            "{}: {}, {}x{}, {}{} with sampler {} on {}\n",
             args.output.display(),
             report::volume_words(&volume),
             settings.size[0],
             settings.size[1],
-            settings.skip.method().name,
+            if method == MethodChoice::Auto {
+                "auto: "
+            } else {
+                ""
+            },
+            Choice::of(&settings).words(),
             rendered.sampler.name(),
             report::adapter_words(renderer.info()),
         );
@@ -166,6 +192,45 @@ pub(super) fn run(args: &Args) -> Result<()> {
 }
 
 impl Args {
+    /// The method that was asked for, by flag or profile.
+    fn method(&self, profile: Option<&Profile>) -> Result<MethodChoice> {
+        let in_profile = profile.map(|p| MethodChoice::Only(p.choice.skip));
+        let method = self.method.or(in_profile).unwrap_or(MethodChoice::Auto);
+        let chosen_by_hand = [
+            ("block", self.block.is_some()),
+            ("cut", self.scene.cut.is_some()),
+            ("cuts", self.scene.cuts.is_some()),
+        ];
+        match chosen_by_hand.iter().find(|(_, given)| *given) {
+            Some((flag, _)) if method == MethodChoice::Auto => Err(Error::setting(
+                *flag,
+                "is chosen by auto; name a --method with it",
+            )),
+            _ => Ok(method),
+        }
+    }
+
+    /// What was asked for, by flag or profile; of `auto`, what is left to choose is as it happens to be.
+    fn settings(
+        &self,
+        method: MethodChoice,
+        profile: Option<&Profile>,
+        step_voxels: f64,
+        camera: Camera,
+    ) -> Settings {
+        let skip = match method {
+            MethodChoice::Auto => Skip::Box,
+            MethodChoice::Only(skip) => skip,
+        };
+        let block = self.block.or(profile.map(|p| p.choice.block));
+        let block = block.unwrap_or(DEFAULT_BLOCK);
+        let cuts = profile.map_or(Cuts::default(), |p| p.choice.cuts);
+        Settings {
+            cuts: self.scene.cuts_or(cuts),
+            ..self.scene.settings(skip, block, step_voxels, camera)
+        }
+    }
+
     fn png_encoding(&self) -> PngEncoding {
         PngEncoding {
             depth: if self.png_depth == "16" {
@@ -199,6 +264,8 @@ fn facts(
         "sampler": rendered.sampler.name(),
         "step_voxels": settings.step_voxels,
         "block": settings.block,
+        "cut": settings.cuts.half.name(),
+        "cuts": settings.cuts.slabs.to_string(),
         "size": settings.size,
         "ert": report::decimal(settings.ert),
         "table_size": settings.table_entries,

@@ -14,7 +14,7 @@ use super::camera::{self, CameraSpec};
 use super::values;
 
 /// The sizes of leaf blocks there are.
-pub(super) const BLOCKS: [usize; 4] = [4, 8, 16, 32];
+pub(super) const BLOCKS: [usize; 6] = [2, 4, 8, 16, 32, 64];
 
 /// What a picture is made of, besides the choices that a subcommand has one or several of.
 #[derive(Debug, Args)]
@@ -39,13 +39,14 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = values::size)]
     pub(super) size: [u32; 2],
 
-    /// Where half-split cuts: in the middle, or where one plane saves most
-    #[arg(long, default_value = "middle", value_parser = values::named(HalfCut::ALL, HalfCut::name))]
-    pub(super) cut: HalfCut,
+    /// Where half-split cuts: in the middle, or where one plane saves most [default: middle]
+    #[arg(long, value_parser = values::named(HalfCut::ALL, HalfCut::name))]
+    pub(super) cut: Option<HalfCut>,
 
     /// Into how many slabs k-cuts cuts: auto (as many as pay), at most N (2 to 8), or middle (two halves)
-    #[arg(long, value_name = "auto|N|middle", default_value = "auto", value_parser = values::slab_count)]
-    pub(super) cuts: SlabCount,
+    /// [default: auto]
+    #[arg(long, value_name = "auto|N|middle")]
+    pub(super) cuts: Option<SlabCount>,
 
     #[arg(long, value_name = "WHERE", default_value = "az=30,el=20,dist=2,up=z,fov=45", help = camera::HELP)]
     pub(super) camera: CameraSpec,
@@ -80,9 +81,14 @@ impl SceneArgs {
 
     /// Where the methods that cut do so.
     pub(super) fn cuts(&self) -> Cuts {
+        self.cuts_or(Cuts::default())
+    }
+
+    /// The same, where what was not given is that of `others`.
+    pub(super) fn cuts_or(&self, others: Cuts) -> Cuts {
         Cuts {
-            half: self.cut,
-            slabs: self.cuts,
+            half: self.cut.unwrap_or(others.half),
+            slabs: self.cuts.unwrap_or(others.slabs),
         }
     }
 
@@ -110,5 +116,5 @@ pub(super) fn block(text: &str) -> std::result::Result<usize, String> {
     text.parse()
         .ok()
         .filter(|b| BLOCKS.contains(b))
-        .ok_or_else(|| "expected 4, 8, 16 or 32 voxels".to_owned())
+        .ok_or_else(|| "expected 2, 4, 8, 16, 32 or 64 voxels".to_owned())
 }

@@ -8,8 +8,8 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
 use hollowcast::measure::compare::NamedStep;
 use hollowcast::output::linear_from_srgb;
-use hollowcast::skip::k_cuts::MAX_SLABS;
-use hollowcast::skip::{METHODS, Skip, SlabCount};
+use hollowcast::render::MethodChoice;
+use hollowcast::skip::{METHODS, Skip};
 
 /// One of the library's named choices; an unknown name is answered with those that there are.
 pub(super) fn named<T: Copy + Send + Sync + 'static>(
@@ -31,6 +31,17 @@ pub(super) fn method() -> impl TypedValueParser<Value = Skip> {
         .map(|m| PossibleValue::new(m.name).help(m.summary));
     PossibleValuesParser::new(values)
         .map(|given| Skip::from_name(&given).expect("clap has checked the name"))
+}
+
+/// A skipping method, or `auto`.
+pub(super) fn method_or_auto() -> impl TypedValueParser<Value = MethodChoice> {
+    let auto = PossibleValue::new(MethodChoice::Auto.name())
+        .help("what promises to take least time for this picture on this adapter");
+    let methods = METHODS
+        .iter()
+        .map(|m| PossibleValue::new(m.name).help(m.summary));
+    PossibleValuesParser::new([auto].into_iter().chain(methods))
+        .map(|given| MethodChoice::from_name(&given).expect("clap has checked the name"))
 }
 
 /// Width and height: `640x480`, or `512` for both.
@@ -101,20 +112,6 @@ pub(super) fn ert(text: &str) -> Result<f32, String> {
         .ok()
         .filter(|&t| t > 0.0 && t <= 1.0)
         .ok_or_else(|| "expected an opacity above 0 and up to 1, or off".to_owned())
-}
-
-/// How often k-cuts cuts.
-pub(super) fn slab_count(text: &str) -> Result<SlabCount, String> {
-    match text {
-        "auto" => Ok(SlabCount::Auto),
-        "middle" => Ok(SlabCount::Middle),
-        number => number
-            .parse()
-            .ok()
-            .filter(|n| (2..=MAX_SLABS).contains(n))
-            .map(SlabCount::AtMost)
-            .ok_or_else(|| format!("expected auto, middle or 2 to {MAX_SLABS} slabs")),
-    }
 }
 
 /// What stands behind the picture, in linear light; `None`: nothing, the picture stays transparent.
@@ -213,16 +210,6 @@ mod tests {
         assert_eq!(voxels("0.002u"), 0.5);
         for bad in ["", "u", "0", "-1", "nan", "inf", "1v"] {
             assert!(bad.parse::<Step>().is_err(), "{bad}");
-        }
-    }
-
-    #[test]
-    fn slabs_are_counted_or_chosen() {
-        assert_eq!(slab_count("auto"), Ok(SlabCount::Auto));
-        assert_eq!(slab_count("middle"), Ok(SlabCount::Middle));
-        assert_eq!(slab_count("8"), Ok(SlabCount::AtMost(8)));
-        for bad in ["", "1", "9", "-2", "best", "2.0"] {
-            assert!(slab_count(bad).is_err(), "{bad}");
         }
     }
 

@@ -98,6 +98,13 @@ impl VolumeArgs {
         Ok(())
     }
 
+    /// The volume's name without folder and extension, and without what a file's name cannot have.
+    pub(super) fn stem(&self) -> String {
+        let stem = Path::new(&self.volume).file_stem();
+        let stem = stem.map_or(self.volume.as_str().into(), |s| s.to_string_lossy());
+        stem.replace([':', '/', '\\'], "-")
+    }
+
     /// Reads the volume and cuts it to what was asked for. What was lost in loading is told on stderr.
     pub(super) fn load(&self) -> Result<Arc<Volume>> {
         let progress = Progress::spinner("reading the volume");

@@ -1,17 +1,14 @@
-//! Methods against each other: each at each step and block size over the same views, in interleaved runs.
-//!
-//! Times come from drawing alone, without read-back; counters and pictures from separate, untimed runs. Structures are
-//! built before the clock starts and reported by their own times.
+//! Methods against each other: each at each step and block size over the same views, in interleaved runs ([`super::race`]).
 
 use serde::Serialize;
 
 use super::metrics::metrics;
-use super::statistics::{interleaved, median};
+use super::race::{Entrant, race};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::render::{FrameTimes, Preparation, Renderer, Settings};
+use crate::render::{Choice, MethodChoice, Renderer, Settings};
 use crate::sample::Sampler;
-use crate::scene::{Counters, Picture};
+use crate::scene::Picture;
 use crate::skip::Skip;
 
 /// A step by the name that the user gave it.
@@ -26,9 +23,9 @@ pub struct NamedStep {
 /// What is compared.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// The methods; [`Skip::Box`] must be one of them, it is what the others are compared with. A backend that does not
-    /// have one leaves it out.
-    pub methods: Vec<Skip>,
+    /// The methods; box must be one of them, it is what the others are compared with. A backend that does not have one
+    /// leaves it out.
+    pub methods: Vec<MethodChoice>,
     /// Block sizes in voxels.
     pub blocks: Vec<usize>,
     /// Steps.
@@ -60,9 +57,12 @@ pub struct Row {
     pub backend: &'static str,
     /// The method's name.
     pub method: &'static str,
+    /// What `auto` chose, in words, each choice once; only where the method is `auto`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub chosen: Vec<String>,
     /// The step as the user gave it.
     pub step: String,
-    /// Block size in voxels (without meaning for box).
+    /// Block size in voxels (without meaning for box and auto).
     pub block: usize,
     /// Width and height of the pictures.
     pub size: [u32; 2],
@@ -108,21 +108,6 @@ pub struct Comparison {
     pub samplers: Vec<Sampler>,
 }
 
-/// One method on one backend, and what has been seen of it.
-struct Contestant {
-    renderer: usize,
-    skip: Skip,
-    preparation: Preparation,
-    /// Of the current view.
-    runs: Vec<FrameTimes>,
-    /// Median of each view so far.
-    views: Vec<FrameTimes>,
-    counters: Counters,
-    differing: u64,
-    max_abs: f64,
-    read_back_ms: f64,
-}
-
 /// Runs the plan on each of the renderers, whose volume and transfer function are set, as those of `reference` are.
 ///
 /// `progress` is told how much of the work is done, 0 to 1.
@@ -138,7 +123,8 @@ pub fn compare(
     plan: &Plan,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Comparison> {
-    if !plan.methods.contains(&Skip::Box) {
+    let box_choice = MethodChoice::Only(Skip::Box);
+    if !plan.methods.contains(&box_choice) {
         return Err(Error::setting(
             "methods",
             "box is missing: it is what the others are compared with",
@@ -155,16 +141,20 @@ pub fn compare(
             return Err(Error::setting(field, "must be at least one"));
         }
     }
+    for method in &plan.methods {
+        if let MethodChoice::Only(skip) = method
+            && !renderers.iter().any(|renderer| renderer.has(*skip))
+        {
+            skip.check_backend(renderers[0].info().backend)?;
+        }
+    }
+    let [width, height] = plan.settings.size.map(f64::from);
+    let pixels = width * height * plan.views.len() as f64;
     let groups = plan.steps.len() * plan.blocks.len();
     let mut comparison = Comparison {
         rows: Vec::new(),
         samplers: vec![Sampler::Exact; renderers.len()],
     };
-    for &skip in &plan.methods {
-        if !renderers.iter().any(|renderer| renderer.has(skip)) {
-            skip.check_backend(renderers[0].info().backend)?;
-        }
-    }
     for (s, step) in plan.steps.iter().enumerate() {
         let truth = references(reference, plan, step)?;
         for (b, &block) in plan.blocks.iter().enumerate() {
@@ -175,164 +165,115 @@ pub fn compare(
             };
             let before = (s * plan.blocks.len() + b) as f64;
             let mut part = |f: f64| progress((before + f) / groups as f64);
-            let contestants = run_group(
-                renderers,
-                plan,
-                &settings,
-                &mut comparison.samplers,
-                &mut part,
-            )?;
-            for c in &contestants {
-                let psnr = psnr(&mut renderers[c.renderer], c.skip, plan, &settings, &truth)?;
-                let base = contestants
-                    .iter()
-                    .find(|o| o.renderer == c.renderer && o.skip == Skip::Box)
+            let (methods, entrants) = entrants(renderers, plan, &settings)?;
+            let outcomes = race(renderers, &entrants, plan.rounds, &mut part)?;
+            for ((&method, entrant), outcome) in methods.iter().zip(&entrants).zip(&outcomes) {
+                let renderer = &mut renderers[entrant.renderer];
+                let psnr = psnr(renderer, entrant, plan, &truth)?;
+                let base = (0..entrants.len())
+                    .find(|&i| entrants[i].renderer == entrant.renderer && methods[i] == box_choice)
                     .expect("box is in every plan");
-                let backend = renderers[c.renderer].info().backend;
-                comparison
-                    .rows
-                    .push(row(c, base, backend, plan, step, block, psnr));
+                comparison.samplers[entrant.renderer] = outcome.sampler;
+                let speedup = outcomes[base].mean(|t| t.frame_ms) / outcome.mean(|t| t.frame_ms);
+                comparison.rows.push(Row {
+                    backend: renderer.info().backend,
+                    method: method.name(),
+                    chosen: chosen(method, entrant),
+                    step: step.name.clone(),
+                    block,
+                    size: plan.settings.size,
+                    view_count: plan.views.len(),
+                    preprocess_ms: outcome.preparation.preprocess_ms,
+                    cull_ms: outcome.preparation.cull_ms,
+                    raster_ms: outcome.mean(|t| t.raster_ms),
+                    cast_ms: outcome.mean(|t| t.cast_ms),
+                    frame_ms: outcome.mean(|t| t.frame_ms),
+                    read_back_ms: outcome.read_back_ms,
+                    speedup_vs_box: speedup,
+                    samples_per_pixel: outcome.counters.samples as f64 / pixels,
+                    contributing_samples_per_pixel: outcome.counters.contributing as f64 / pixels,
+                    skip_steps_per_pixel: outcome.counters.skip_steps as f64 / pixels,
+                    structure_bytes: outcome.preparation.structure_bytes,
+                    differing_pixels_vs_box: outcome.differing_pixels,
+                    max_abs_diff_vs_box: outcome.max_abs,
+                    psnr_vs_reference_db: psnr,
+                });
             }
         }
     }
     Ok(comparison)
 }
 
-/// All methods on all backends at one step and block size.
-fn run_group(
+/// All methods on all backends that have them.
+fn entrants(
     renderers: &mut [Renderer],
     plan: &Plan,
     settings: &Settings,
-    samplers: &mut [Sampler],
-    progress: &mut dyn FnMut(f64),
-) -> Result<Vec<Contestant>> {
-    let mut contestants: Vec<Contestant> = (0..renderers.len())
-        .flat_map(|renderer| plan.methods.iter().map(move |&skip| (renderer, skip)))
-        .filter(|&(renderer, skip)| renderers[renderer].has(skip))
-        .map(|(renderer, skip)| Contestant {
-            renderer,
-            skip,
-            preparation: Preparation::default(),
-            runs: Vec::new(),
-            views: Vec::new(),
-            counters: Counters::default(),
-            differing: 0,
-            max_abs: 0.0,
-            read_back_ms: 0.0,
-        })
-        .collect();
-    for (v, &camera) in plan.views.iter().enumerate() {
-        let settings = Settings {
-            camera,
-            ..*settings
-        };
-        let backends: Vec<&str> = renderers.iter().map(|r| r.info().backend).collect();
-        let of = |c: &Contestant| settings_on(backends[c.renderer], c.skip, &settings);
-        let mut pictures = Vec::new();
-        for c in &mut contestants {
-            let renderer = &mut renderers[c.renderer];
-            c.prepare(renderer.prepare(&of(c))?);
-            let counted = renderer.count(&of(c))?;
-            c.counters.samples += counted.counters.samples;
-            c.counters.contributing += counted.counters.contributing;
-            c.counters.skip_steps += counted.counters.skip_steps;
-            if v == 0 {
-                let rendered = renderer.render(&of(c))?;
-                c.read_back_ms = rendered.read_back_ms;
-                samplers[c.renderer] = rendered.sampler;
-                let difference = rendered.picture.difference(&counted.picture);
-                if difference.pixels > 0 {
-                    return Err(Error::Gpu(format!(
-                        "{}: {} pixels of the counted picture differ from the drawn one",
-                        c.skip.method().name,
-                        difference.pixels
-                    )));
-                }
-            } else {
-                // The counting run warms up nothing but itself.
-                renderer.draw(&of(c))?;
+) -> Result<(Vec<MethodChoice>, Vec<Entrant>)> {
+    let mut methods = Vec::new();
+    let mut entrants = Vec::new();
+    for (renderer, drawing) in renderers.iter_mut().enumerate() {
+        for &method in &plan.methods {
+            if matches!(method, MethodChoice::Only(skip) if !drawing.has(skip)) {
+                continue;
             }
-            pictures.push(counted.picture);
+            let views = plan.views.iter().map(|&camera| {
+                let settings = Settings {
+                    camera,
+                    ..settings_on(drawing.info().backend, settings)
+                };
+                Ok(match method {
+                    MethodChoice::Only(skip) => Settings { skip, ..settings },
+                    MethodChoice::Auto => drawing.choose(&settings)?.in_settings(&settings),
+                })
+            });
+            entrants.push(Entrant {
+                renderer,
+                views: views.collect::<Result<_>>()?,
+            });
+            methods.push(method);
         }
-        compare_with_box(&mut contestants, &pictures);
-        for i in interleaved(contestants.len(), plan.rounds) {
-            let c = &mut contestants[i];
-            let times = renderers[c.renderer].draw(&of(c))?;
-            c.runs.push(times);
-        }
-        contestants.iter_mut().for_each(Contestant::close_view);
-        progress((v + 1) as f64 / plan.views.len() as f64);
     }
-    Ok(contestants)
+    Ok((methods, entrants))
 }
 
-impl Contestant {
-    /// Keeps the times of all that stands: more axes may be built with every view.
-    fn prepare(&mut self, seen: Preparation) {
-        let p = &mut self.preparation;
-        p.preprocess_ms = p.preprocess_ms.max(seen.preprocess_ms);
-        p.cull_ms = p.cull_ms.max(seen.cull_ms);
-        p.structure_bytes = p.structure_bytes.max(seen.structure_bytes);
+/// What an entrant's choices were, if it had any.
+fn chosen(method: MethodChoice, entrant: &Entrant) -> Vec<String> {
+    if method != MethodChoice::Auto {
+        return Vec::new();
     }
-
-    fn close_view(&mut self) {
-        let of =
-            |time: fn(&FrameTimes) -> f64| median(&self.runs.iter().map(time).collect::<Vec<_>>());
-        self.views.push(FrameTimes {
-            raster_ms: of(|t| t.raster_ms),
-            cast_ms: of(|t| t.cast_ms),
-            frame_ms: of(|t| t.frame_ms),
-        });
-        self.runs.clear();
+    let mut words: Vec<String> = Vec::new();
+    for settings in &entrant.views {
+        let of_view = Choice::of(settings).words();
+        if !words.contains(&of_view) {
+            words.push(of_view);
+        }
     }
-
-    fn mean(&self, time: fn(&FrameTimes) -> f64) -> f64 {
-        self.views.iter().map(time).sum::<f64>() / self.views.len() as f64
-    }
+    words
 }
 
 /// The settings as a backend can draw them: only graphics adapters have a filter.
-fn settings_on(backend: &str, skip: Skip, settings: &Settings) -> Settings {
+pub(super) fn settings_on(backend: &str, settings: &Settings) -> Settings {
     let sampler = if backend == "gpu" {
         settings.sampler
     } else {
         Some(Sampler::Exact)
     };
     Settings {
-        skip,
         sampler,
         ..*settings
     }
 }
 
-/// Holds each picture of one view against box's on the same backend.
-fn compare_with_box(contestants: &mut [Contestant], pictures: &[Picture]) {
-    let base: Vec<usize> = contestants
-        .iter()
-        .map(|c| {
-            contestants
-                .iter()
-                .position(|o| o.renderer == c.renderer && o.skip == Skip::Box)
-                .expect("box is in every plan")
-        })
-        .collect();
-    for (i, c) in contestants.iter_mut().enumerate() {
-        let difference = pictures[i].difference(&pictures[base[i]]);
-        c.differing += difference.pixels;
-        c.max_abs = c.max_abs.max(difference.max_abs);
-    }
-}
-
-/// The cameras that the reference repeats.
-fn reference_views(plan: &Plan) -> impl Iterator<Item = Camera> {
+/// The views that the reference repeats.
+fn reference_views(plan: &Plan) -> impl Iterator<Item = usize> {
     let count = plan.reference.views.min(plan.views.len());
-    (0..count).map(move |i| plan.views[i * plan.views.len() / count])
+    let views = plan.views.len();
+    (0..count).map(move |i| i * views / count)
 }
 
-fn reference_settings(plan: &Plan, settings: &Settings, skip: Skip, camera: Camera) -> Settings {
+fn reference_settings(plan: &Plan, settings: &Settings) -> Settings {
     Settings {
-        skip,
-        camera,
         ert: 1.0,
         size: plan.reference.size,
         ..*settings
@@ -341,14 +282,16 @@ fn reference_settings(plan: &Plan, settings: &Settings, skip: Skip, camera: Came
 
 /// The reference's pictures at one step; they depend on no block size.
 fn references(reference: &mut Renderer, plan: &Plan, step: &NamedStep) -> Result<Vec<Picture>> {
-    let settings = Settings {
-        step_voxels: step.voxels,
-        sampler: Some(Sampler::Exact),
-        ..plan.settings
-    };
     reference_views(plan)
-        .map(|camera| {
-            let settings = reference_settings(plan, &settings, Skip::Box, camera);
+        .map(|view| {
+            let settings = Settings {
+                skip: Skip::Box,
+                camera: plan.views[view],
+                step_voxels: step.voxels,
+                sampler: Some(Sampler::Exact),
+                ..plan.settings
+            };
+            let settings = reference_settings(plan, &settings);
             Ok(reference.render(&settings)?.picture)
         })
         .collect()
@@ -356,56 +299,18 @@ fn references(reference: &mut Renderer, plan: &Plan, step: &NamedStep) -> Result
 
 fn psnr(
     renderer: &mut Renderer,
-    skip: Skip,
+    entrant: &Entrant,
     plan: &Plan,
-    settings: &Settings,
     truth: &[Picture],
 ) -> Result<Option<f64>> {
     if truth.is_empty() {
         return Ok(None);
     }
     let pictures: Vec<Picture> = reference_views(plan)
-        .map(|camera| {
-            let settings = reference_settings(plan, settings, skip, camera);
-            let settings = settings_on(renderer.info().backend, skip, &settings);
+        .map(|view| {
+            let settings = reference_settings(plan, &entrant.views[view]);
             Ok(renderer.render(&settings)?.picture)
         })
         .collect::<Result<_>>()?;
     Ok(Some(metrics(pictures.iter().zip(truth)).psnr_db()))
-}
-
-fn row(
-    c: &Contestant,
-    base: &Contestant,
-    backend: &'static str,
-    plan: &Plan,
-    step: &NamedStep,
-    block: usize,
-    psnr: Option<f64>,
-) -> Row {
-    let size = plan.settings.size;
-    let pixels = f64::from(size[0]) * f64::from(size[1]) * plan.views.len() as f64;
-    let frame_ms = c.mean(|t| t.frame_ms);
-    Row {
-        backend,
-        method: c.skip.method().name,
-        step: step.name.clone(),
-        block,
-        size,
-        view_count: plan.views.len(),
-        preprocess_ms: c.preparation.preprocess_ms,
-        cull_ms: c.preparation.cull_ms,
-        raster_ms: c.mean(|t| t.raster_ms),
-        cast_ms: c.mean(|t| t.cast_ms),
-        frame_ms,
-        read_back_ms: c.read_back_ms,
-        speedup_vs_box: base.mean(|t| t.frame_ms) / frame_ms,
-        samples_per_pixel: c.counters.samples as f64 / pixels,
-        contributing_samples_per_pixel: c.counters.contributing as f64 / pixels,
-        skip_steps_per_pixel: c.counters.skip_steps as f64 / pixels,
-        structure_bytes: c.preparation.structure_bytes,
-        differing_pixels_vs_box: c.differing,
-        max_abs_diff_vs_box: c.max_abs,
-        psnr_vs_reference_db: psnr,
-    }
 }

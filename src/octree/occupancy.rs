@@ -59,6 +59,56 @@ impl Occupancy {
         &mut self.words[layers.start * layer..layers.end * layer]
     }
 
+    /// The same in blocks twice as large, each active where one of its eight is.
+    ///
+    /// Classified on its own, a larger block can be active where none of the eight is: where their ranges lie on both
+    /// sides of what the table shows. So this is an estimate, and nothing may be left out by it.
+    pub fn coarser(&self) -> Self {
+        let mut coarser = Self::new(self.volume_dims, self.block * 2);
+        for z in 0..self.dims[2] {
+            for y in 0..self.dims[1] {
+                for (w, &word) in self.row(y, z).iter().enumerate() {
+                    let mut bits = word;
+                    while bits != 0 {
+                        let x = w * 64 + bits.trailing_zeros() as usize;
+                        coarser.set([x / 2, y / 2, z / 2]);
+                        // The other bit of the pair says no more.
+                        bits &= !(0b11 << (x % 64 / 2 * 2));
+                    }
+                }
+            }
+        }
+        coarser
+    }
+
+    /// Number of faces between an active block and an inactive one, or the outside.
+    pub fn exposed_faces(&self) -> usize {
+        let ones = |words: &[u64]| words.iter().map(|w| w.count_ones() as usize).sum::<usize>();
+        // Each pair of active neighbours hides two of the six faces that every block has.
+        let mut hidden = 0;
+        for z in 0..self.dims[2] {
+            for y in 0..self.dims[1] {
+                let row = self.row(y, z);
+                let mut carry = 0;
+                for &word in row {
+                    hidden += (word & (word << 1 | carry)).count_ones() as usize;
+                    carry = word >> 63;
+                }
+                let both = |other: &[u64]| -> usize {
+                    let pairs = row.iter().zip(other);
+                    pairs.map(|(a, b)| (a & b).count_ones() as usize).sum()
+                };
+                if y > 0 {
+                    hidden += both(self.row(y - 1, z));
+                }
+                if z > 0 {
+                    hidden += both(self.row(y, z - 1));
+                }
+            }
+        }
+        6 * ones(&self.words) - 2 * hidden
+    }
+
     /// Number of active blocks.
     pub fn count(&self) -> usize {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
@@ -89,4 +139,50 @@ impl Occupancy {
 /// See [`Occupancy::half_cut`].
 pub(super) fn half_cut(voxels: usize, block: usize) -> usize {
     (voxels + block) / (2 * block)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn faces_and_coarser_blocks_are_those_counted_one_by_one(
+            dims in prop::array::uniform3(1usize..150),
+            active in prop::collection::vec(any::<[prop::sample::Index; 3]>(), 0..60),
+        ) {
+            let dims = [dims[0], dims[1] % 7 + 1, dims[2] % 5 + 1];
+            let mut occupancy = Occupancy::new(dims.map(|n| n * 4), 4);
+            for block in active {
+                // Crowded, so that neighbours meet.
+                let at = std::array::from_fn(|a| block[a].index(dims[a].min(80)));
+                occupancy.set(at);
+            }
+            let all = || {
+                let [nx, ny, nz] = dims;
+                (0..nx * ny * nz).map(move |i| [i % nx, i / nx % ny, i / nx / ny])
+            };
+            let is_active = |at: [i64; 3]| {
+                (0..3).all(|a| (0..dims[a] as i64).contains(&at[a])) && occupancy.get(at.map(|i| i as usize))
+            };
+            let mut faces = 0;
+            for at in all().filter(|&at| occupancy.get(at)) {
+                for axis in 0..3 {
+                    for side in [-1, 1] {
+                        let mut beside = at.map(|i| i as i64);
+                        beside[axis] += side;
+                        faces += usize::from(!is_active(beside));
+                    }
+                }
+            }
+            prop_assert_eq!(occupancy.exposed_faces(), faces);
+            let mut expected = Occupancy::new(dims.map(|n| n * 4), 8);
+            for at in all().filter(|&at| occupancy.get(at)) {
+                expected.set(at.map(|i| i / 2));
+            }
+            prop_assert_eq!(occupancy.coarser(), expected);
+        }
+    }
 }

@@ -5,6 +5,7 @@
 //! is composited before anything is encoded, in linear light.
 
 mod atomic;
+pub mod chart;
 mod exr;
 mod font;
 pub mod heat;

@@ -64,6 +64,18 @@ pub fn render(scene: &Scene, plan: &Plan, progress: &Progress) -> Result<Counted
     })
 }
 
+/// The work of some pixels (column, row) of [`render`]'s picture, without drawing the others.
+pub fn work_of(scene: &Scene, plan: &Plan, pixels: &[[u32; 2]]) -> Vec<Counters> {
+    let classes = Baked::new(scene.table);
+    with_voxels!(&scene.volume.voxels, voxels => {
+        let marcher = Marcher::new(scene, plan, voxels, &classes);
+        pixels
+            .par_iter()
+            .map(|&[x, y]| marcher.pixel(x as usize, y as usize).counters)
+            .collect()
+    })
+}
+
 /// The pixels of [`render`] before they are rounded: linear, premultiplied, row by row from the top left.
 ///
 /// # Errors

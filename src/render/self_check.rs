@@ -1,15 +1,14 @@
 //! At an adapter's first use, every method is compared with box on a small scene; one that differs is withdrawn.
 //!
-//! The outcome is kept per adapter and driver version, in the user's cache folder. The file is safe to delete, and one
-//! that cannot be read is made anew.
+//! The outcome is kept per adapter and driver version, in the user's cache folder.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Renderer, Settings};
+use super::{Renderer, Settings, cache};
 use crate::camera::Orbit;
 use crate::error::Result;
 use crate::mode::Mode;
@@ -28,7 +27,7 @@ type Outcomes = BTreeMap<String, Vec<String>>;
 ///
 /// # Errors
 /// As [`Renderer::render`].
-pub(super) fn withdrawn(renderer: &mut Renderer, cache: Option<&Path>) -> Result<Vec<Skip>> {
+pub(super) fn withdrawn(renderer: &mut Renderer, kept: Option<&Path>) -> Result<Vec<Skip>> {
     let info = renderer.info();
     // Another version of the program has other shaders and methods: what was found of those says nothing of these.
     let tried: Vec<&str> = candidates().map(|m| m.name).collect();
@@ -39,7 +38,7 @@ pub(super) fn withdrawn(renderer: &mut Renderer, cache: Option<&Path>) -> Result
         env!("CARGO_PKG_VERSION"),
         tried.join(" "),
     );
-    let mut outcomes = cache.map(read).unwrap_or_default();
+    let mut outcomes: Outcomes = kept.map(cache::read).unwrap_or_default();
     let names = if let Some(names) = outcomes.get(&key) {
         names.clone()
     } else {
@@ -48,8 +47,8 @@ pub(super) fn withdrawn(renderer: &mut Renderer, cache: Option<&Path>) -> Result
             .map(|s| s.method().name.to_owned())
             .collect();
         outcomes.insert(key, failed.clone());
-        if let Some(path) = cache {
-            write(path, &outcomes);
+        if let Some(path) = kept {
+            cache::write(path, &outcomes);
         }
         failed
     };
@@ -57,38 +56,6 @@ pub(super) fn withdrawn(renderer: &mut Renderer, cache: Option<&Path>) -> Result
         .iter()
         .filter_map(|name| Skip::from_name(name))
         .collect())
-}
-
-/// Where outcomes are kept: `$XDG_CACHE_HOME/hollowcast` or `~/.cache/hollowcast`.
-pub(super) fn cache_file() -> Option<PathBuf> {
-    let set = |name| {
-        std::env::var_os(name)
-            .filter(|v| !v.is_empty())
-            .map(PathBuf::from)
-    };
-    let folder = set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")))?;
-    Some(folder.join("hollowcast").join("self-check.json"))
-}
-
-fn read(path: &Path) -> Outcomes {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    serde_json::from_str(&text).unwrap_or_default()
-}
-
-/// Keeps the outcomes; a cache that cannot be written costs the next start a check, nothing else.
-fn write(path: &Path, outcomes: &Outcomes) {
-    let save = || -> std::io::Result<()> {
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)?;
-        }
-        // Renamed into place, so that a second process never reads half a file.
-        let unfinished = path.with_extension(format!("{}.unfinished", std::process::id()));
-        std::fs::write(&unfinished, serde_json::to_string_pretty(outcomes)?)?;
-        std::fs::rename(&unfinished, path)
-    };
-    if let Err(error) = save() {
-        tracing::debug!("{}: {error}", path.display());
-    }
 }
 
 /// The methods that are compared with box.

@@ -17,7 +17,7 @@ use crate::octree::{Accelerator, Hull, Occupancy};
 use crate::scene::Scene;
 use crate::skip::beam_masks::BeamMasks;
 use crate::skip::k_cuts::{BestCuts, CUT_SAMPLES, Planes};
-use crate::skip::{self, HalfCut, Plan, Skip, SlabCount};
+use crate::skip::{self, HalfCut, Plan, Skip};
 use crate::transfer::Table;
 
 /// Edge in voxels, about, of the boxes that tell which tiles can show anything.
@@ -33,6 +33,8 @@ pub(super) struct Structures {
     cpu_box: Option<(Arc<Table>, CpuPlan)>,
     /// Names the culled states, so that what is on the device can be told apart.
     next_id: u64,
+    /// What a cut costs on this adapter, where that was calibrated; else [`CUT_SAMPLES`].
+    cut_samples: Option<f64>,
 }
 
 /// What the GPU backend needs of the structures.
@@ -83,6 +85,33 @@ impl Structures {
         self.range
     }
 
+    /// What a cut costs, in samples on every pixel of the box.
+    pub(super) fn cut_samples(&self) -> f64 {
+        self.cut_samples.unwrap_or(CUT_SAMPLES)
+    }
+
+    /// Takes what a cut costs.
+    pub(super) fn set_cut_samples(&mut self, samples: f64) {
+        self.cut_samples = Some(samples);
+    }
+
+    /// Drops all that was built; what is built next has other names.
+    pub(super) fn clear(&mut self) {
+        self.by_block.clear();
+        self.cpu_box = None;
+    }
+
+    /// Which blocks of the settings' size are active.
+    pub(super) fn occupancy(
+        &mut self,
+        settings: &Settings,
+        scene: &Scene,
+        table: &Arc<Table>,
+    ) -> Result<&Occupancy> {
+        let kept = self.culled(settings, scene, table)?;
+        Ok(&kept.culled.as_ref().expect("culled just above").occupancy)
+    }
+
     /// What the GPU backend needs for the settings' method.
     pub(super) fn gpu_needs(
         &mut self,
@@ -99,6 +128,7 @@ impl Structures {
             };
             return Ok((needs, Preparation::default()));
         }
+        let cut_samples = self.cut_samples();
         let kept = self.culled(settings, scene, table)?;
         let (accelerator, build_ms) = (&kept.accelerator, kept.build_ms);
         let culled = kept.culled.as_mut().expect("culled just above");
@@ -106,7 +136,7 @@ impl Structures {
             culled.masks = Some(BeamMasks::new(culled.occupancy.clone()));
         }
         culled.make_words(settings.skip);
-        let regions = culled.regions(settings, scene);
+        let regions = culled.regions(settings, scene, cut_samples);
         let places: Vec<usize> = regions.iter().map(|r| culled.make_hull(r)).collect();
         let culled = &*culled;
         let preparation = culled.preparation(accelerator, build_ms);
@@ -141,9 +171,10 @@ impl Structures {
         if settings.skip == Skip::Box {
             return Ok((Plan::Box, Preparation::default()));
         }
+        let cut_samples = self.cut_samples();
         let kept = self.culled(settings, scene, table)?;
         let culled = kept.culled.as_mut().expect("culled just above");
-        let (axis, planes) = culled.planes(settings, scene);
+        let (axis, planes) = culled.planes(settings, scene, cut_samples);
         let culled = &*culled;
         let plan = Plan::with_planes(settings.skip, &culled.occupancy, axis, planes)?;
         Ok((plan, culled.preparation(&kept.accelerator, kept.build_ms)))
@@ -343,23 +374,14 @@ impl Culled {
     }
 
     /// The axis that the settings' method cuts across, and where it does.
-    fn planes(&mut self, settings: &Settings, scene: &Scene) -> (usize, Planes) {
+    fn planes(&mut self, settings: &Settings, scene: &Scene, cut_samples: f64) -> (usize, Planes) {
         let axis = skip::half_axis(settings.camera.forward());
         let middle = self.occupancy.half_cut(axis);
         let block_size = scene.volume.voxel_size()[axis] * self.occupancy.block as f64;
-        let planes = match (settings.skip, settings.cuts.half, settings.cuts.slabs) {
-            (Skip::HalfSplit, HalfCut::Middle, _) | (Skip::KCuts, _, SlabCount::Middle) => {
-                Planes::new(&[middle])
-            }
-            (Skip::HalfSplit, HalfCut::Best, _) => {
-                Planes::new(&[self.best_cuts(axis).single().unwrap_or(middle)])
-            }
-            (Skip::KCuts, _, SlabCount::Auto) => self
-                .best_cuts(axis)
-                .cheapest(CUT_SAMPLES * scene.frame.step / block_size),
-            (Skip::KCuts, _, SlabCount::AtMost(slabs)) => self.best_cuts(axis).at_most(slabs),
-            _ => Planes::default(),
-        };
+        let cut_cost = cut_samples * scene.frame.step / block_size;
+        let planes = settings
+            .cuts
+            .planes(settings.skip, middle, || self.best_cuts(axis), cut_cost);
         (axis, planes)
     }
 
@@ -373,12 +395,17 @@ impl Culled {
     }
 
     /// The blocks of each part that the settings' method rasterises, near part first.
-    fn regions(&mut self, settings: &Settings, scene: &Scene) -> Vec<[Range<usize>; 3]> {
+    fn regions(
+        &mut self,
+        settings: &Settings,
+        scene: &Scene,
+        cut_samples: f64,
+    ) -> Vec<[Range<usize>; 3]> {
         if !matches!(settings.skip, Skip::Hull | Skip::HalfSplit | Skip::KCuts) {
             // The others take no rasterised parts; the backend refuses what it does not have.
             return Vec::new();
         }
-        let (axis, planes) = self.planes(settings, scene);
+        let (axis, planes) = self.planes(settings, scene, cut_samples);
         let block_size = scene.volume.voxel_size()[axis] * self.occupancy.block as f64;
         let local: Vec<f64> = planes
             .as_slice()

@@ -7,15 +7,15 @@
 
 use std::ops::Range;
 
-use super::Listed;
 use super::traversal::Line;
+use super::{Listed, Skip};
 use crate::octree::Occupancy;
 
 /// The most slabs that the volume is cut into.
 pub const MAX_SLABS: usize = 8;
 
 /// What a cut costs, in samples on every pixel of the box: clearing and drawing two more layers of depth and reading
-/// them in the marcher.
+/// them in the marcher. An estimate, for adapters of which no calibration is at hand.
 pub const CUT_SAMPLES: f64 = 4.0;
 
 /// [`CUT_SAMPLES`] in block lengths per column, for half-voxel steps and 8-voxel blocks.
@@ -28,6 +28,30 @@ pub struct Cuts {
     pub half: HalfCut,
     /// The planes of k-cuts.
     pub slabs: SlabCount,
+}
+
+impl Cuts {
+    /// Where `skip` cuts across an axis whose middle is the plane `middle`; `best` places planes across it, and is asked
+    /// for only where they are not in the middle. `cut_cost` as in [`BestCuts::cheapest`].
+    pub fn planes<'a>(
+        self,
+        skip: Skip,
+        middle: usize,
+        best: impl FnOnce() -> &'a BestCuts,
+        cut_cost: f64,
+    ) -> Planes {
+        match (skip, self.half, self.slabs) {
+            (Skip::HalfSplit, HalfCut::Middle, _) | (Skip::KCuts, _, SlabCount::Middle) => {
+                Planes::new(&[middle])
+            }
+            (Skip::HalfSplit, HalfCut::Best, _) => {
+                Planes::new(&[best().single().unwrap_or(middle)])
+            }
+            (Skip::KCuts, _, SlabCount::Auto) => best().cheapest(cut_cost),
+            (Skip::KCuts, _, SlabCount::AtMost(slabs)) => best().at_most(slabs),
+            _ => Planes::default(),
+        }
+    }
 }
 
 /// Where half-split cuts.
@@ -64,6 +88,33 @@ pub enum SlabCount {
     /// Into at most this many slabs, whatever a cut costs; no plane is placed that saves nothing. From 1 to
     /// [`MAX_SLABS`]: more count as that many.
     AtMost(usize),
+}
+
+impl std::fmt::Display for SlabCount {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Middle => f.write_str("middle"),
+            Self::AtMost(slabs) => write!(f, "{slabs}"),
+        }
+    }
+}
+
+impl std::str::FromStr for SlabCount {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            "middle" => Ok(Self::Middle),
+            number => number
+                .parse()
+                .ok()
+                .filter(|n| (2..=MAX_SLABS).contains(n))
+                .map(Self::AtMost)
+                .ok_or_else(|| format!("expected auto, middle or 2 to {MAX_SLABS} slabs")),
+        }
+    }
 }
 
 /// Planes across an axis, ascending, in leaf blocks: plane p lies before layer p.
@@ -369,6 +420,21 @@ mod tests {
             let planes = best.cheapest(cut_cost);
             let ours = cost(planes.len, marched_all(&occupancy, axis, &planes));
             prop_assert!(others.iter().all(|&(cuts, length)| ours <= cost(cuts, length) + 1e-9));
+        }
+    }
+
+    #[test]
+    fn slabs_are_counted_or_chosen() {
+        for (text, slabs) in [
+            ("auto", SlabCount::Auto),
+            ("middle", SlabCount::Middle),
+            ("8", SlabCount::AtMost(8)),
+        ] {
+            assert_eq!(text.parse(), Ok(slabs));
+            assert_eq!(slabs.to_string(), text);
+        }
+        for bad in ["", "1", "9", "-2", "best", "2.0"] {
+            assert!(bad.parse::<SlabCount>().is_err(), "{bad}");
         }
     }
 

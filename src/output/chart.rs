@@ -1,0 +1,158 @@
+//! Line charts as SVG or PNG: the one place that knows the charting crate.
+
+use std::io::Write;
+use std::path::Path;
+
+use kuva::backend::raster::RasterBackend;
+use kuva::backend::svg::SvgBackend;
+use kuva::plot::LinePlot;
+use kuva::render::figure::{Figure, FigureLegendPosition};
+use kuva::render::layout::{Layout, TickFormat};
+use kuva::render::plots::Plot;
+
+use super::write_atomically;
+use crate::error::{Error, Result};
+
+/// Panels side by side that share their lines' names and colours.
+#[derive(Debug, Clone)]
+pub struct Chart {
+    /// Over the whole.
+    pub title: String,
+    /// From left to right, two in a row.
+    pub panels: Vec<Panel>,
+}
+
+/// One pair of axes.
+#[derive(Debug, Clone)]
+pub struct Panel {
+    /// What is across, with its unit.
+    pub x_label: String,
+    /// What is upwards, with its unit.
+    pub y_label: String,
+    /// Whether equal lengths across are equal ratios. Numbers that are not positive are then left out.
+    pub log_x: bool,
+    /// The same upwards.
+    pub log_y: bool,
+    /// The lines; one of a name has one colour in all panels.
+    pub lines: Vec<Line>,
+}
+
+/// Numbers over numbers.
+#[derive(Debug, Clone)]
+pub struct Line {
+    /// In the legend.
+    pub name: String,
+    /// `[x, y]`, joined in this order.
+    pub points: Vec<[f64; 2]>,
+}
+
+/// Colours that are told apart with any kind of sight (Okabe & Ito 2008), then darker ones.
+const COLORS: [&str; 12] = [
+    "#000000", "#e69f00", "#56b4e9", "#009e73", "#d55e00", "#cc79a7", "#0072b2", "#c0b400",
+    "#7f7f7f", "#5d3a9b", "#6b4226", "#1b5e20",
+];
+
+/// Width and height of a panel in pixels of the SVG.
+const PANEL: [f64; 2] = [520.0, 340.0];
+
+/// Pixels of a PNG per pixel of the SVG.
+const PNG_SCALE: f32 = 2.0;
+
+/// Checks that a chart's file has a name that says its format.
+///
+/// # Errors
+/// [`Error::File`] where it ends on neither `.svg` nor `.png`.
+pub fn check_path(path: &Path) -> Result<()> {
+    format(path).map(|_| ())
+}
+
+enum Format {
+    Svg,
+    Png,
+}
+
+fn format(path: &Path) -> Result<Format> {
+    match path.extension().and_then(|e| e.to_str()) {
+        Some("svg") => Ok(Format::Svg),
+        Some("png") => Ok(Format::Png),
+        _ => Err(Error::file(path, "extension", "expected .svg or .png")),
+    }
+}
+
+impl Chart {
+    /// Writes the chart; `.svg` or `.png`.
+    ///
+    /// # Errors
+    /// [`Error::File`] for another extension; [`Error::Io`].
+    pub fn write(&self, path: &Path) -> Result<()> {
+        let bytes = match format(path)? {
+            Format::Svg => SvgBackend::default()
+                .render_scene(&self.figure().render())
+                .into_bytes(),
+            Format::Png => RasterBackend::new()
+                .with_scale(PNG_SCALE)
+                .render_scene(&self.figure().render())
+                .map_err(|reason| Error::file(path, "chart", reason))?,
+        };
+        write_atomically(path, |file| file.write_all(&bytes))
+    }
+
+    /// The names of all lines, each once.
+    fn names(&self) -> Vec<&str> {
+        let mut names: Vec<&str> = Vec::new();
+        for line in self.panels.iter().flat_map(|p| &p.lines) {
+            if !names.contains(&line.name.as_str()) {
+                names.push(&line.name);
+            }
+        }
+        names
+    }
+
+    fn figure(&self) -> Figure {
+        let names = self.names();
+        let color = |name: &str| {
+            let place = names.iter().position(|n| *n == name).unwrap_or(0);
+            COLORS[place % COLORS.len()]
+        };
+        let mut plots = Vec::new();
+        let mut layouts = Vec::new();
+        for panel in &self.panels {
+            let lines: Vec<Plot> = panel
+                .lines
+                .iter()
+                .map(|line| {
+                    let is_shown = |p: &&[f64; 2]| {
+                        (!panel.log_x || p[0] > 0.0) && (!panel.log_y || p[1] > 0.0)
+                    };
+                    let points = line.points.iter().filter(is_shown);
+                    Plot::Line(
+                        LinePlot::new()
+                            .with_data(points.map(|p| (p[0], p[1])))
+                            .with_color(color(&line.name))
+                            .with_stroke_width(2.0)
+                            .with_legend(&line.name),
+                    )
+                })
+                .collect();
+            let mut layout = Layout::auto_from_plots(&lines)
+                .with_x_label(&panel.x_label)
+                .with_y_label(&panel.y_label);
+            if panel.log_x {
+                layout = layout.with_log_x();
+            }
+            if panel.log_y {
+                layout = layout.with_log_y();
+            }
+            plots.push(lines);
+            layouts.push(layout.with_tick_format(TickFormat::Auto));
+        }
+        let columns = self.panels.len().clamp(1, 2);
+        let rows = self.panels.len().div_ceil(columns);
+        Figure::new(rows, columns)
+            .with_title(&self.title)
+            .with_plots(plots)
+            .with_layouts(layouts)
+            .with_cell_size(PANEL[0], PANEL[1])
+            .with_shared_legend_position(FigureLegendPosition::Bottom)
+    }
+}

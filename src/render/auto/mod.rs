@@ -1,0 +1,377 @@
+//! `auto`: the method, block size and cuts that will draw a frame in least time, told before anything is drawn.
+//!
+//! What a frame will be to each method is counted along a bundle of its rays (`work`), through the occupancy of small
+//! blocks and larger ones that follow from it. What that takes on this adapter is known from a few probe frames
+//! (`probes`), to which one line of costs per method was fitted (`cost`). Methods that are lossy, that failed the
+//! self-check, or of whose segments nothing is known beforehand are never chosen.
+
+mod cost;
+mod fit;
+mod probes;
+mod work;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use self::cost::Calibration;
+use self::work::{Bundle, Level, Work};
+use super::{Renderer, Settings};
+use crate::error::{Error, Result};
+use crate::mode::Mode;
+use crate::sample::Sampler;
+use crate::scene::Scene;
+use crate::skip::{Cuts, HalfCut, METHODS, Skip};
+use crate::transfer::Table;
+
+/// Block sizes that are chosen from, in voxels.
+pub const BLOCKS: [usize; 4] = [4, 8, 16, 32];
+
+/// The block size of methods that read none.
+pub const DEFAULT_BLOCK: usize = 8;
+
+/// A method is taken in place of box only where it promises to take less than this of box's time.
+const WORTH_IT: f64 = 0.9;
+
+/// Of choices within this of the least time, the simplest is taken: the first method of the table, in the largest blocks.
+const AS_FAST: f64 = 1.02;
+
+/// A turning camera stays with what was chosen unless something else promises to take less than this of its time.
+const WORTH_TURNING: f64 = 0.85;
+
+/// The most leaves that are built only to choose: 128 MiB of them. Larger volumes are chosen for in larger blocks.
+const MAX_LEAVES: usize = 1 << 24;
+
+/// What can be chosen to draw the same picture in less time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Choice {
+    /// WHERE samples are taken.
+    pub skip: Skip,
+    /// Leaf block edge in voxels.
+    pub block: usize,
+    /// Where half-split and k-cuts cut.
+    pub cuts: Cuts,
+}
+
+impl Choice {
+    /// What is chosen in these settings.
+    pub fn of(settings: &Settings) -> Self {
+        Self {
+            skip: settings.skip,
+            block: settings.block,
+            cuts: settings.cuts,
+        }
+    }
+
+    /// `settings` by this choice.
+    pub fn in_settings(&self, settings: &Settings) -> Settings {
+        Settings {
+            skip: self.skip,
+            block: self.block,
+            cuts: self.cuts,
+            ..*settings
+        }
+    }
+
+    /// Method, blocks and cuts in words: `half-split, blocks of 8, cut best`.
+    pub fn words(&self) -> String {
+        let name = self.skip.method().name;
+        let block = self.block;
+        match (self.skip, self.cut_words()) {
+            (Skip::Box, _) => name.to_owned(),
+            (_, Some(cut)) => format!("{name}, blocks of {block}, cut {cut}"),
+            (_, None) => format!("{name}, blocks of {block}"),
+        }
+    }
+
+    /// Where it cuts, by the names that flags have for it; `None` where it does not.
+    pub fn cut_words(&self) -> Option<String> {
+        match self.skip {
+            Skip::HalfSplit => Some(self.cuts.half.name().to_owned()),
+            Skip::KCuts => Some(self.cuts.slabs.to_string()),
+            _ => None,
+        }
+    }
+}
+
+/// A method as users name it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MethodChoice {
+    /// The one that [`Renderer::choose`] chooses.
+    Auto,
+    /// This one.
+    Only(Skip),
+}
+
+impl MethodChoice {
+    /// The name used by flags, files and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Only(skip) => skip.method().name,
+        }
+    }
+
+    /// The choice of this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        if name == Self::Auto.name() {
+            Some(Self::Auto)
+        } else {
+            Skip::from_name(name).map(Self::Only)
+        }
+    }
+}
+
+/// What choosing keeps from picture to picture.
+#[derive(Default)]
+pub(super) struct Chooser {
+    /// With the sampler that it holds for.
+    calibration: Option<(Sampler, Calibration)>,
+    active: Option<Active>,
+    /// The last choice, and the settings that it was made for.
+    last: Option<(Settings, Choice)>,
+}
+
+/// What is active under one table and mode, from the smallest blocks up.
+struct Active {
+    table: Arc<Table>,
+    mode: Mode,
+    levels: Vec<Level>,
+}
+
+impl Chooser {
+    /// Forgets what holds for one volume alone.
+    pub(super) fn forget_volume(&mut self) {
+        self.active = None;
+        self.last = None;
+    }
+
+    /// Forgets what holds for one transfer function alone.
+    pub(super) fn forget_transfer(&mut self) {
+        self.last = None;
+    }
+}
+
+impl Renderer {
+    /// Everything that this backend can draw the exact picture with, in these blocks: every lossless method that its
+    /// self-check did not withdraw. Box, which reads no block, is there once.
+    pub fn candidates(&self, blocks: &[usize]) -> Vec<Choice> {
+        let mut choices = Vec::new();
+        for method in METHODS {
+            // The oracle is told by a first pass what to sample: a limit, and no way to draw.
+            let is_candidate = method.lossless && method.name != "oracle";
+            if !is_candidate || !self.has(method.skip) || self.withdrawn.contains(&method.skip) {
+                continue;
+            }
+            let best_too = method.skip == Skip::HalfSplit && self.info.backend != "cpu";
+            let halves = if best_too {
+                HalfCut::ALL
+            } else {
+                &HalfCut::ALL[..1]
+            };
+            let blocks = if method.skip == Skip::Box {
+                &[DEFAULT_BLOCK]
+            } else {
+                blocks
+            };
+            for &block in blocks {
+                choices.extend(halves.iter().map(|&half| Choice {
+                    skip: method.skip,
+                    block,
+                    cuts: Cuts {
+                        half,
+                        ..Cuts::default()
+                    },
+                }));
+            }
+        }
+        choices
+    }
+
+    /// The method, block size and cuts that will draw these settings' picture in least time; theirs are not read.
+    ///
+    /// The first call on an adapter draws probe frames for about a second, whose outcome is kept in the user's cache
+    /// folder. After that a choice takes some milliseconds; it is kept as long as the settings, the volume and the
+    /// transfer function are the same, and where the camera alone has changed, so is the block size.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn choose(&mut self, settings: &Settings) -> Result<Choice> {
+        let settings = Settings {
+            sampler: Some(self.sampler(settings)),
+            ..Choice::BOX.in_settings(settings)
+        };
+        let last = self.chooser.last;
+        if let Some((same, choice)) = last
+            && same == settings
+        {
+            return Ok(choice);
+        }
+        self.calibrate(&settings)?;
+        let turned = last.filter(|(before, _)| {
+            let same_view = Settings {
+                camera: settings.camera,
+                ..*before
+            };
+            same_view == settings
+        });
+        let kept = turned.map(|(_, choice)| choice);
+        let candidates = self.candidates(&BLOCKS);
+        let candidates: Vec<Choice> = match kept {
+            Some(kept) if kept.skip != Skip::Box => candidates
+                .into_iter()
+                .filter(|c| c.skip == Skip::Box || c.block == kept.block)
+                .collect(),
+            _ => candidates,
+        };
+        let promised: Vec<(Choice, f64)> = self
+            .works(&settings, &candidates)?
+            .into_iter()
+            .zip(candidates)
+            .filter_map(|(work, choice)| Some((choice, self.line(choice.skip).ms(&work?))))
+            .collect();
+        for (choice, ms) in &promised {
+            tracing::debug!("auto: {} would take {ms:.2} ms", choice.words());
+        }
+        let choice = pick(&promised, kept);
+        self.chooser.last = Some((settings, choice));
+        Ok(choice)
+    }
+
+    fn line(&self, skip: Skip) -> cost::CostLine {
+        let calibration = self.chooser.calibration.as_ref();
+        calibration
+            .map_or_else(Calibration::assumed, |(_, c)| c.clone())
+            .line(skip)
+    }
+
+    /// Takes the calibration for the settings' sampler from the cache, or draws the probe frames.
+    fn calibrate(&mut self, settings: &Settings) -> Result<()> {
+        let sampler = self.sampler(settings);
+        if let Some((kept, _)) = &self.chooser.calibration
+            && *kept == sampler
+        {
+            return Ok(());
+        }
+        let calibration = if self.info.backend == "reference" {
+            // Nobody waits for the reference to be fast.
+            Calibration::assumed()
+        } else {
+            probes::calibration(self, sampler)?
+        };
+        if let Some(samples) = calibration.cut_samples() {
+            self.structures.set_cut_samples(samples);
+        }
+        self.chooser.calibration = Some((sampler, calibration));
+        Ok(())
+    }
+
+    /// What each choice will have to do for a frame; `None` where that is not known.
+    fn works(&mut self, settings: &Settings, choices: &[Choice]) -> Result<Vec<Option<Work>>> {
+        let volume = self
+            .volume
+            .as_ref()
+            .ok_or_else(|| Error::setting("volume", "none was set"))?;
+        let volume = Arc::clone(volume);
+        let table = self.table(settings, &volume)?;
+        let frame = settings
+            .camera
+            .ray_frame(&volume, settings.size, settings.step_voxels)?;
+        let scene = Scene {
+            volume: &volume,
+            table: &table,
+            frame: &frame,
+            sampler: self.sampler(settings),
+            mode: settings.mode,
+            ert: settings.ert,
+        };
+        let is_current = self
+            .chooser
+            .active
+            .as_ref()
+            .is_some_and(|a| a.mode == settings.mode && a.table.shows_the_same_as(&table));
+        if !is_current {
+            let leaves =
+                |block: usize| -> usize { volume.dims.iter().map(|n| n.div_ceil(block)).product() };
+            let smallest = BLOCKS.into_iter().find(|&b| leaves(b) <= MAX_LEAVES);
+            let smallest = Settings {
+                // Any that reads the occupancy of the whole.
+                skip: Skip::Hull,
+                block: smallest.unwrap_or(BLOCKS[BLOCKS.len() - 1]),
+                ..*settings
+            };
+            let mut occupancy = self
+                .structures
+                .occupancy(&smallest, &scene, &table)?
+                .clone();
+            let mut levels = Vec::new();
+            while occupancy.block < BLOCKS[BLOCKS.len() - 1] {
+                let coarser = occupancy.coarser();
+                levels.push(Level::new(std::mem::replace(&mut occupancy, coarser)));
+            }
+            levels.push(Level::new(occupancy));
+            self.chooser.active = Some(Active {
+                table: Arc::clone(&table),
+                mode: settings.mode,
+                levels,
+            });
+        }
+        let active = self.chooser.active.as_ref().expect("made just above");
+        let bundle = Bundle::new(&scene, settings.camera.forward());
+        let coarse = &active.levels[active.levels.len().saturating_sub(2)];
+        let cut_samples = self.structures.cut_samples();
+        let backend = self.info.backend;
+        Ok(choices
+            .par_iter()
+            .map(|choice| {
+                let level = active
+                    .levels
+                    .iter()
+                    .find(|l| l.occupancy.block == choice.block)?;
+                bundle.work(backend, choice, level, coarse, cut_samples)
+            })
+            .collect())
+    }
+}
+
+impl Choice {
+    const BOX: Self = Self {
+        skip: Skip::Box,
+        block: DEFAULT_BLOCK,
+        cuts: Cuts {
+            half: HalfCut::Middle,
+            slabs: crate::skip::SlabCount::Auto,
+        },
+    };
+}
+
+/// The choice to make of what each promises to take, in ms, where `kept` was made for another view of the same.
+fn pick(promised: &[(Choice, f64)], kept: Option<Choice>) -> Choice {
+    let ms_of = |choice: &Choice| {
+        let found = promised.iter().find(|(c, _)| c == choice);
+        found.map_or(f64::INFINITY, |(_, ms)| *ms)
+    };
+    let least = promised.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+    // Candidates come in the order of the table, blocks ascending.
+    let simplest = promised
+        .iter()
+        .filter(|(_, ms)| *ms <= least * AS_FAST)
+        .reduce(|a, b| {
+            if b.0.skip == a.0.skip && b.0.block > a.0.block {
+                b
+            } else {
+                a
+            }
+        });
+    let best = match simplest {
+        Some(&(best, ms)) if ms < ms_of(&Choice::BOX) * WORTH_IT => best,
+        _ => Choice::BOX,
+    };
+    match kept {
+        Some(kept) if ms_of(&best) > ms_of(&kept) * WORTH_TURNING => kept,
+        _ => best,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,221 @@
+//! The frames that tell what work costs on an adapter: small phantoms in small pictures, about a second of them.
+
+use std::sync::Arc;
+
+use super::cost::{CostLine, kept_or};
+use super::{Calibration, Choice};
+use crate::camera::Orbit;
+use crate::error::Result;
+use crate::mode::Mode;
+use crate::render::{Renderer, Settings, cache};
+use crate::sample::Sampler;
+use crate::skip::Skip;
+use crate::transfer::{ControlPoint, TransferFunction};
+use crate::volume::phantom;
+
+/// Runs of every frame; the fastest counts, for nothing but disturbance makes one slower.
+const ROUNDS: usize = 3;
+
+/// One view of a phantom.
+struct Probe {
+    phantom: &'static str,
+    voxels: usize,
+    pixels: u32,
+    step_voxels: f64,
+    block: usize,
+    opacity: f64,
+}
+
+/// Frames that differ in everything that costs: pixels, samples, segments, faces, early termination.
+const PROBES: &[Probe] = &[
+    Probe {
+        phantom: "empty",
+        voxels: 32,
+        pixels: 128,
+        step_voxels: 1.0,
+        block: 8,
+        opacity: 0.3,
+    },
+    Probe {
+        phantom: "empty",
+        voxels: 64,
+        pixels: 64,
+        step_voxels: 0.5,
+        block: 8,
+        opacity: 0.3,
+    },
+    Probe {
+        phantom: "sphere",
+        voxels: 64,
+        pixels: 160,
+        step_voxels: 0.5,
+        block: 4,
+        opacity: 0.05,
+    },
+    Probe {
+        phantom: "sphere",
+        voxels: 64,
+        pixels: 64,
+        step_voxels: 0.25,
+        block: 16,
+        opacity: 0.3,
+    },
+    Probe {
+        phantom: "shells",
+        voxels: 96,
+        pixels: 128,
+        step_voxels: 0.5,
+        block: 4,
+        opacity: 0.02,
+    },
+    Probe {
+        phantom: "shells",
+        voxels: 96,
+        pixels: 96,
+        step_voxels: 1.0,
+        block: 8,
+        opacity: 0.02,
+    },
+    Probe {
+        phantom: "pot",
+        voxels: 96,
+        pixels: 160,
+        step_voxels: 1.0,
+        block: 8,
+        opacity: 0.3,
+    },
+    Probe {
+        phantom: "pot",
+        voxels: 96,
+        pixels: 64,
+        step_voxels: 0.25,
+        block: 4,
+        opacity: 0.05,
+    },
+    Probe {
+        phantom: "gyroid",
+        voxels: 64,
+        pixels: 128,
+        step_voxels: 0.5,
+        block: 4,
+        opacity: 0.05,
+    },
+    Probe {
+        phantom: "noise",
+        voxels: 48,
+        pixels: 96,
+        step_voxels: 0.5,
+        block: 8,
+        opacity: 0.01,
+    },
+    Probe {
+        phantom: "full",
+        voxels: 48,
+        pixels: 96,
+        step_voxels: 0.5,
+        block: 8,
+        opacity: 0.01,
+    },
+    Probe {
+        phantom: "full",
+        voxels: 48,
+        pixels: 160,
+        step_voxels: 1.0,
+        block: 16,
+        opacity: 0.9,
+    },
+];
+
+/// The adapter's calibration for a sampler: as kept, or measured now.
+///
+/// # Errors
+/// As [`Renderer::draw`].
+pub(super) fn calibration(renderer: &mut Renderer, sampler: Sampler) -> Result<Calibration> {
+    let mut methods: Vec<Skip> = renderer.candidates(&[8]).iter().map(|c| c.skip).collect();
+    methods.dedup();
+    let names: Vec<&str> = methods.iter().map(|s| s.method().name).collect();
+    let info = renderer.info();
+    // Another build of the program has other shaders, and a debug build other times.
+    let key = format!(
+        "{} | {} | {} | hollowcast {}{} | {} | {}",
+        info.backend,
+        info.adapter,
+        info.driver,
+        env!("CARGO_PKG_VERSION"),
+        if cfg!(debug_assertions) { " debug" } else { "" },
+        sampler.name(),
+        names.join(" "),
+    );
+    let path = cache::file("calibration.json");
+    kept_or(path.as_deref(), &key, &methods, || {
+        let (volume, transfer) = (renderer.volume.clone(), renderer.transfer.clone());
+        let measured = measure(renderer, sampler, &methods);
+        // What was there before comes back, whatever happened.
+        renderer.forget_volume();
+        if let Some(volume) = volume {
+            renderer.set_volume(volume)?;
+        }
+        renderer.transfer = transfer;
+        measured
+    })
+}
+
+fn measure(renderer: &mut Renderer, sampler: Sampler, methods: &[Skip]) -> Result<Calibration> {
+    let mut frames = vec![Vec::new(); methods.len()];
+    for probe in PROBES {
+        let volume = Arc::new(phantom::make(probe.phantom, [probe.voxels; 3])?);
+        let extent = volume.extent();
+        renderer.set_volume(volume)?;
+        renderer.set_transfer(probe.transfer()?);
+        let Choice { skip, block, cuts } = Choice::BOX;
+        let settings = Settings {
+            skip,
+            cuts,
+            sampler: Some(sampler),
+            mode: Mode::EmissionAbsorption,
+            block,
+            step_voxels: probe.step_voxels,
+            ert: 0.98,
+            size: [probe.pixels; 2],
+            camera: Orbit::default().camera(extent),
+            table_entries: 256,
+        };
+        let mut choices = renderer.candidates(&[probe.block]);
+        choices.dedup_by_key(|c| c.skip);
+        let works = renderer.works(&settings, &choices)?;
+        let mut least = vec![f64::INFINITY; choices.len()];
+        for round in 0..=ROUNDS {
+            for (choice, least) in choices.iter().zip(&mut least) {
+                let ms = renderer.draw(&choice.in_settings(&settings))?.frame_ms;
+                // The first run warms up.
+                if round > 0 {
+                    *least = least.min(ms);
+                }
+            }
+        }
+        for ((choice, work), ms) in choices.iter().zip(works).zip(least) {
+            let place = methods.iter().position(|s| *s == choice.skip);
+            if let (Some(place), Some(work)) = (place, work) {
+                tracing::debug!("probe {}: {:?} took {ms:.3} ms", choice.words(), work);
+                frames[place].push((work, ms));
+            }
+        }
+    }
+    Ok(Calibration::new(
+        methods
+            .iter()
+            .zip(&frames)
+            .map(|(&skip, frames)| (skip, CostLine::fitted(frames))),
+    ))
+}
+
+impl Probe {
+    fn transfer(&self) -> Result<TransferFunction> {
+        let point = |value, opacity| ControlPoint {
+            value,
+            opacity,
+            color: [0.9, 0.6, 0.4],
+        };
+        TransferFunction::new(vec![point(40.0, 0.0), point(255.0, self.opacity)], 1.0)
+    }
+}
