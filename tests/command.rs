@@ -138,6 +138,7 @@ fn every_help_has_examples() {
         &["compare", "--help"],
         &["info", "--help"],
         &["phantom", "--help"],
+        &["tune", "--help"],
         &["demo", "--help"],
     ] {
         let help = succeeds(args);

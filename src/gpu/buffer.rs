@@ -87,6 +87,11 @@ impl KeptBuffer {
         }
     }
 
+    /// Whether it holds the data of this name.
+    pub fn holds(&self, id: u64) -> bool {
+        self.holds == Some(id)
+    }
+
     /// The buffer with `data` in it, whose name is `id`; a buffer of any content for `None`.
     pub fn holding(&mut self, gpu: &Gpu, data: Option<(u64, &[u32])>) -> &wgpu::Buffer {
         match data {

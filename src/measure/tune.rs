@@ -18,7 +18,8 @@ const SLABS: [usize; 3] = [2, 4, 8];
 pub struct Plan {
     /// Block sizes in voxels.
     pub blocks: Vec<usize>,
-    /// Whether the places and numbers of cuts are searched too, or as they are unless told otherwise.
+    /// Whether the places and numbers of cuts are searched too, and with them what auto chooses; else they are as they are
+    /// unless told otherwise.
     pub cuts: bool,
     /// The views that every row is taken over.
     pub views: Vec<Camera>,
@@ -74,7 +75,7 @@ pub struct Auto {
 pub struct Tuning {
     /// The fastest first.
     pub rows: Vec<Row>,
-    /// One for each renderer whose choices were all tried.
+    /// One for each renderer, where cuts are searched too.
     pub auto: Vec<Auto>,
 }
 
@@ -84,6 +85,9 @@ pub struct Tuning {
 ///
 /// # Errors
 /// [`Error::Setting`] where there is nothing to try; whatever a renderer reports.
+///
+/// # Panics
+/// Never: what auto chooses is tried.
 pub fn tune(
     renderers: &mut [Renderer],
     plan: &Plan,
@@ -100,18 +104,22 @@ pub fn tune(
         }
     }
     let mut tried: Vec<(usize, Choice)> = Vec::new();
-    let mut automatic = Vec::new();
+    let mut automatic: Vec<Vec<Choice>> = Vec::new();
     for (i, renderer) in renderers.iter_mut().enumerate() {
-        tried.extend(
-            choices(renderer, plan)
-                .into_iter()
-                .map(|choice| (i, choice)),
-        );
-        let chosen = views(renderer, plan)
-            .iter()
-            .map(|settings| renderer.choose(settings))
-            .collect::<Result<Vec<_>>>()?;
-        automatic.push(chosen);
+        let mut choices = choices(renderer, plan);
+        if plan.cuts {
+            let views = views(renderer, plan);
+            let chosen = views.iter().map(|settings| renderer.choose(settings));
+            let chosen = chosen.collect::<Result<Vec<_>>>()?;
+            for choice in &chosen {
+                // Of blocks that are not searched.
+                if !choices.contains(choice) {
+                    choices.push(*choice);
+                }
+            }
+            automatic.push(chosen);
+        }
+        tried.extend(choices.into_iter().map(|choice| (i, choice)));
     }
     let entrants: Vec<Entrant> = tried
         .iter()
@@ -136,16 +144,16 @@ pub fn tune(
     let auto = automatic
         .iter()
         .enumerate()
-        .filter_map(|(renderer, chosen)| {
-            let frame_ms = ms_of_views(renderer, chosen, &tried, &outcomes)?;
+        .map(|(renderer, chosen)| {
+            let frame_ms = ms_of_views(renderer, chosen, &tried, &outcomes);
             let mut words: Vec<String> = chosen.iter().map(Choice::words).collect();
             words.dedup();
-            Some(Auto {
+            Auto {
                 backend: renderers[renderer].info().backend,
                 chosen: words,
                 frame_ms,
                 over_fastest: frame_ms / fastest(renderer),
-            })
+            }
         })
         .collect();
     let [width, height] = plan.settings.size.map(f64::from);
@@ -210,23 +218,16 @@ fn choices(renderer: &Renderer, plan: &Plan) -> Vec<Choice> {
     with_slabs.collect()
 }
 
-/// The frame time of one choice for each view, of what was tried; `None` where one was not.
+/// The frame time of one choice for each view, of those that were tried.
 fn ms_of_views(
     renderer: usize,
     chosen: &[Choice],
     tried: &[(usize, Choice)],
     outcomes: &[Outcome],
-) -> Option<f64> {
-    let mut sum = 0.0;
-    for (view, choice) in chosen.iter().enumerate() {
-        let place = tried
-            .iter()
-            .position(|(r, c)| *r == renderer && (c == choice || both_box(c, choice)))?;
-        sum += outcomes[place].median(view, |t| t.frame_ms);
-    }
-    Some(sum / chosen.len() as f64)
-}
-
-fn both_box(a: &Choice, b: &Choice) -> bool {
-    a.skip == Skip::Box && b.skip == Skip::Box
+) -> f64 {
+    let views = chosen.iter().enumerate().map(|(view, choice)| {
+        let place = tried.iter().position(|t| *t == (renderer, *choice));
+        outcomes[place.expect("what auto chose is tried")].median(view, |t| t.frame_ms)
+    });
+    views.sum::<f64>() / chosen.len() as f64
 }

@@ -189,15 +189,23 @@ impl GpuBackend {
         if let Some(structure) = job.parts.first().map(|p| p.key.0) {
             self.kept_faces.retain(|key, _| key.0 == structure);
         }
+        let mut is_new = false;
         for part in &job.parts {
             if !self.kept_faces.contains_key(&part.key) {
                 let faces = self
                     .gpu
                     .checked(|| FaceBuffers::new(&self.gpu, part.hull))?;
                 self.kept_faces.insert(part.key, faces);
+                is_new = true;
             }
         }
+        is_new |= job.blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
         self.blocks.holding(&self.gpu, job.blocks);
+        if is_new {
+            // Else the copies would wait for the frame's submission, and count as part of it.
+            self.gpu.queue.submit([]);
+            self.gpu.wait()?;
+        }
         Ok(())
     }
 
