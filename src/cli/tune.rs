@@ -1,5 +1,6 @@
 //! `hollowcast tune`: every method in every block size, and the fastest as a profile.
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use hollowcast::measure::compare::NamedStep;
@@ -335,6 +336,7 @@ fn verdict(tuning: &Tuning, output: &Path) -> String {
         fastest.frame_ms,
         fastest.speedup_vs_box,
     );
+    // Writing to a String cannot fail.
     for Auto {
         backend,
         chosen,
@@ -346,14 +348,16 @@ fn verdict(tuning: &Tuning, output: &Path) -> String {
             0.0 => "the fastest there".to_owned(),
             percent => format!("{percent:.0} % over the fastest there"),
         };
-        text.push_str(&format!(
-            "auto on {backend}: {}, {frame_ms:.2} ms, {off}\n",
+        let _ = writeln!(
+            text,
+            "auto on {backend}: {}, {frame_ms:.2} ms, {off}",
             chosen.join("; ")
-        ));
+        );
     }
-    text.push_str(&format!(
-        "profile: {}; use it with: hollowcast render VOLUME --profile {0}\n",
+    let _ = writeln!(
+        text,
+        "profile: {}; use it with: hollowcast render VOLUME --profile {0}",
         output.display()
-    ));
+    );
     text
 }
