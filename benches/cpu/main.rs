@@ -25,6 +25,7 @@ use hollowcast::skip::Skip;
 use hollowcast::transfer::{ControlPoint, Domain, Table, TransferFunction};
 use hollowcast::volume::{self, Volume, Voxels};
 
+use limits::Width;
 use runs::{Times, cpu_ms, interleaved};
 
 const SIZE: [u32; 2] = [512, 512];
@@ -299,24 +300,29 @@ fn limit_panel(volume: &Volume, mut panel: Panel) -> Panel {
     let Voxels::U8(voxels) = &volume.voxels else {
         unreachable!("the teapot is u8")
     };
-    let mut points = Vec::new();
-    for bytes in [1 << 14, 1 << 17, 1 << 20, 1 << 24] {
-        let bytes = &voxels[..voxels.len().min(bytes)];
-        let Some(ns) = limits::ns_per_gather(bytes) else {
-            println!("  gathers: this processor has none");
-            return panel;
-        };
-        let sample = ns * limits::GATHERS_PER_PACKET / limits::LANES;
-        println!(
-            "  gathers from {:>8} bytes: {ns:.2} ns each, {sample:.2} ns a sample and thread",
-            bytes.len()
-        );
-        points.push([bytes.len() as f64, sample]);
+    for (width, name) in [
+        (Width::Eight, "gathers of 8"),
+        (Width::Sixteen, "gathers of 16"),
+    ] {
+        let mut points = Vec::new();
+        for bytes in [1 << 14, 1 << 17, 1 << 20, 1 << 24] {
+            let bytes = &voxels[..voxels.len().min(bytes)];
+            let Some(ns) = limits::ns_per_word(bytes, width) else {
+                println!("  {name}: this processor has none");
+                break;
+            };
+            let sample = ns * limits::WORDS_PER_SAMPLE;
+            println!(
+                "  {name} from {:>8} bytes: {ns:.3} ns a word, {sample:.2} ns a sample and thread",
+                bytes.len()
+            );
+            points.push([bytes.len() as f64, sample]);
+        }
+        panel.lines.push(Line {
+            name: name.to_owned(),
+            points,
+        });
     }
-    panel.lines.push(Line {
-        name: "gathers".to_owned(),
-        points,
-    });
     let rate = limits::bytes_per_ns(voxels);
     println!(
         "  memory: {rate:.1} GB/s a thread in order: all voxels once in {:.2} ms",
