@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::fit;
+use super::fit::{self, Row};
 use super::work::{TERMS, Work};
 use crate::render::cache;
 use crate::skip::Skip;
@@ -24,6 +24,13 @@ pub(super) struct CostLine {
     ns_per_element: f64,
 }
 
+/// The terms of [`Work::terms`] whose costs methods have in common, more or less.
+const SHARED: std::ops::Range<usize> = 1..6;
+
+/// What the squared relative distance of a cost from the common one counts beside a frame's squared relative error: a
+/// third off weighs as much as one frame of a dozen that is off by a tenth.
+const LEANING: f64 = 0.1;
+
 impl CostLine {
     /// What is assumed where nothing was measured: samples and steps cost alike.
     const ASSUMED: Self = Self {
@@ -37,12 +44,33 @@ impl CostLine {
         ns_per_element: 4.0,
     };
 
-    /// The line that fits these frames (work and time in ms) best.
-    pub(super) fn fitted(frames: &[(Work, f64)]) -> Self {
-        let rows: Vec<([f64; TERMS], f64)> = frames
+    /// The line that fits these frames (work and time in ms) best. `all`, where given, is what frames of all methods have
+    /// in common: most methods of a backend share one marcher, and a few probes on a busy machine tell its costs apart
+    /// less well than all of them together.
+    pub(super) fn fitted(frames: &[(Work, f64)], all: Option<&Self>) -> Self {
+        let mut rows: Vec<Row<TERMS>> = frames
             .iter()
-            .map(|(work, ms)| (work.terms(), *ms))
+            .map(|(work, ms)| Row {
+                x: work.terms(),
+                y: *ms,
+                weight: 1.0,
+            })
             .collect();
+        for (term, ns) in all
+            .into_iter()
+            .flat_map(|all| all.costs().into_iter().enumerate())
+        {
+            // What is common to methods is what pixels and samples cost; a cost of zero leans on nothing.
+            if SHARED.contains(&term) && ns > 0.0 {
+                let mut x = [0.0; TERMS];
+                x[term] = 1.0;
+                rows.push(Row {
+                    x,
+                    y: ns * 1e-6,
+                    weight: LEANING,
+                });
+            }
+        }
         let ns = |ms: f64| ms * 1e6;
         let [
             fixed,
@@ -104,7 +132,14 @@ pub(super) struct Calibration {
 }
 
 impl Calibration {
-    pub(super) fn new(lines: impl IntoIterator<Item = (Skip, CostLine)>) -> Self {
+    /// The lines that fit each method's frames (work and time in ms).
+    pub(super) fn fitted(methods: &[Skip], frames: &[Vec<(Work, f64)>]) -> Self {
+        let all = CostLine::fitted(&frames.concat(), None);
+        let lines = methods.iter().zip(frames);
+        Self::new(lines.map(|(&skip, frames)| (skip, CostLine::fitted(frames, Some(&all)))))
+    }
+
+    fn new(lines: impl IntoIterator<Item = (Skip, CostLine)>) -> Self {
         let lines = lines.into_iter();
         Self {
             lines: lines
@@ -267,10 +302,37 @@ mod tests {
                 )
             })
             .collect();
-        let line = CostLine::fitted(&frames);
+        let line = CostLine::fitted(&frames, None);
         assert!(line.is_sound());
         for (work, ms) in &frames {
             assert!((line.ms(work) / ms - 1.0).abs() < 0.02);
         }
+    }
+
+    /// Costs that a method's own frames do not tell are those of all; what they do tell stands.
+    #[test]
+    fn a_line_leans_on_what_methods_have_in_common() {
+        let all = CostLine::ASSUMED;
+        let dear = CostLine {
+            ns_per_sample: 3.0 * all.ns_per_sample,
+            ..all
+        };
+        let frames: Vec<(Work, f64)> = (1..12)
+            .map(|n| {
+                let n = f64::from(n);
+                // Pixels and steps go together: which of the two costs cannot be told.
+                let work = Work {
+                    launched: 60.0 * n,
+                    steps: 60.0 * n,
+                    samples: 900.0 * n * n,
+                    ..Work::default()
+                };
+                (work, dear.ms(&work))
+            })
+            .collect();
+        let line = CostLine::fitted(&frames, Some(&all));
+        assert!((line.ns_per_sample / dear.ns_per_sample - 1.0).abs() < 0.1);
+        assert!((line.ns_per_skip_step / all.ns_per_skip_step - 1.0).abs() < 0.2);
+        assert!((line.ns_per_launched_pixel / all.ns_per_launched_pixel - 1.0).abs() < 0.2);
     }
 }

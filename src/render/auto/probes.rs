@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::cost::{CostLine, kept_or};
+use super::cost::kept_or;
 use super::{Calibration, Choice};
 use crate::camera::Orbit;
 use crate::error::Result;
@@ -14,10 +14,10 @@ use crate::transfer::{ControlPoint, TransferFunction};
 use crate::volume::phantom;
 
 /// Runs of every frame at most; the fastest counts, for nothing but disturbance makes one slower.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 6;
 
 /// Frames that have taken so long together, in ms, are not run again: what disturbs a moment disturbs long frames less.
-const ENOUGH_MS: f64 = 6.0;
+const ENOUGH_MS: f64 = 10.0;
 
 /// One view of a phantom.
 struct Probe {
@@ -78,6 +78,14 @@ const PROBES: &[Probe] = &[
         step_voxels: 1.0,
         block: 8,
         opacity: 0.02,
+    },
+    Probe {
+        phantom: "thin",
+        voxels: 96,
+        pixels: 96,
+        step_voxels: 1.0,
+        block: 4,
+        opacity: 0.1,
     },
     Probe {
         phantom: "pot",
@@ -209,12 +217,7 @@ fn measure(renderer: &mut Renderer, sampler: Sampler, methods: &[Skip]) -> Resul
             }
         }
     }
-    Ok(Calibration::new(
-        methods
-            .iter()
-            .zip(&frames)
-            .map(|(&skip, frames)| (skip, CostLine::fitted(frames))),
-    ))
+    Ok(Calibration::fitted(methods, &frames))
 }
 
 impl Probe {
