@@ -7,7 +7,7 @@
 
 use std::ops::Range;
 
-use super::Listed;
+use super::plan::Listed;
 use super::traversal::Line;
 use crate::octree::Occupancy;
 
