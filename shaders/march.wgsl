@@ -37,7 +37,7 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
 
     // Rays that stop early are over for every later dispatch too.
     var k_stop = k;
-    var segment = skip_begin(ray, pixel, tile);
+    var segment = skip_begin(ray, pixel, tile, k);
     var left = settings.max_iterations;
     var finished = false;
     loop {
@@ -53,10 +53,10 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
         if finished || left == 0u {
             break;
         }
-        let color = post_classify(sample_x(lattice(ray, k)));
+        let color = step_color(&segment, post_classify(sample_x(step_at(&segment, ray, k))));
         count_sample(color, k, ray);
         state = mode_add(state, color);
-        k += 1u;
+        k += step_length(&segment);
         left -= 1u;
         finished = mode_done(state);
     }

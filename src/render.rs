@@ -339,7 +339,7 @@ impl Renderer {
                 let start = Instant::now();
                 backend.prepare(job)?;
                 preparation.cull_ms += ms_since(start);
-                preparation.structure_bytes += backend.structure_bytes();
+                preparation.structure_bytes += backend.structure_bytes(job);
             }
             Ok(preparation)
         })

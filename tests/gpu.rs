@@ -56,6 +56,14 @@ fn settings(volume: &Volume, skip: Skip, sampler: Sampler) -> Settings {
     }
 }
 
+/// The lossless methods of the GPU.
+fn lossless() -> impl Iterator<Item = Skip> {
+    let methods = METHODS.iter();
+    methods
+        .filter(|m| m.lossless && m.backends.contains(&"gpu"))
+        .map(|m| m.skip)
+}
+
 fn psnr(a: &Picture, b: &Picture) -> (f64, f64) {
     let mut squares = 0.0;
     let mut max_abs = 0.0_f64;
@@ -119,6 +127,96 @@ fn cutting_elsewhere_and_often_changes_no_bit() {
             }
         }
     }
+}
+
+#[test]
+fn skipping_changes_no_bit_of_flat_thin_or_stretched_volumes() {
+    let mut renderer = renderer();
+    let transfer = ramp(40.0, 255.0, 0.3);
+    // No block size divides these; one is flat, one a single voxel thick, one of slices ten times as far apart.
+    let shapes = [([65, 63, 17], 1.0), ([1, 40, 40], 1.0), ([40, 37, 9], 10.0)];
+    for (dims, z_spacing) in shapes {
+        let volume = Arc::new(Volume {
+            spacing: glam::DVec3::new(1.0, 1.0, z_spacing),
+            ..phantom::make("shells", dims).unwrap()
+        });
+        renderer.set_volume(Arc::clone(&volume)).unwrap();
+        renderer.set_transfer(transfer.clone());
+        let mut verifier =
+            Verifier::new(&mut renderer, &volume, &transfer, Cuts::default(), [48, 48]);
+        for case in verify::pairwise() {
+            for outcome in verifier.run(&case).unwrap() {
+                assert_eq!(
+                    outcome.differing_pixels, 0,
+                    "{dims:?}: {case:?}: {outcome:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn a_segment_list_that_overflows_marches_to_the_last_exit() {
+    let mut renderer = renderer();
+    // Thirty walls, 12 voxels apart, and emptiness behind them.
+    let [nx, ny, nz] = [400, 12, 12];
+    let is_wall = |x: usize| x % 12 < 2 && x < 360;
+    let voxels: Vec<u8> = (0..nx * ny * nz)
+        .map(|i| if is_wall(i % nx) { 200 } else { 0 })
+        .collect();
+    let volume = Arc::new(Volume {
+        voxels: Voxels::U8(voxels.into()),
+        ..phantom::make("empty", [nx, ny, nz]).unwrap()
+    });
+    renderer.set_volume(Arc::clone(&volume)).unwrap();
+    renderer.set_transfer(ramp(40.0, 255.0, 0.01));
+    let mut settings = settings(&volume, Skip::Box, Sampler::Exact);
+    settings.block = 2;
+    settings.size = [16, 16];
+    settings.camera = Camera {
+        eye: volume.extent() * 0.5 - glam::DVec3::X * 1000.0,
+        target: volume.extent() * 0.5,
+        up: glam::DVec3::Z,
+        projection: Projection::Orthographic { height: 10.0 },
+    };
+    let [by_box, by_walk, by_list] = [Skip::Box, Skip::GridDda, Skip::SegmentList].map(|skip| {
+        settings.skip = skip;
+        renderer.count(&settings).unwrap()
+    });
+    assert_eq!(by_list.picture.difference(&by_box.picture).pixels, 0);
+    let [whole, walk, list] = [by_box, by_walk, by_list].map(|c| c.samples[120]);
+    // Fifteen gaps of its own, then all up to the last wall and nothing of what lies behind it.
+    assert!(walk < list && list < whole - 60, "{walk}, {list}, {whole}");
+    assert!(list < walk + (whole - walk) * 3 / 5);
+}
+
+#[test]
+fn lossy_methods_lose_thin_walls_and_little_of_smooth_ones() {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let mut worst = |name: &str, skip, step_voxels| {
+        let volume = Arc::new(phantom::make(name, [48; 3]).unwrap());
+        for r in [&mut *renderer, &mut reference] {
+            r.set_volume(Arc::clone(&volume)).unwrap();
+            r.set_transfer(ramp(40.0, 255.0, 0.3));
+        }
+        let mut settings = settings(&volume, Skip::Box, Sampler::Exact);
+        settings.step_voxels = step_voxels;
+        settings.size = [48, 48];
+        let by_box = renderer.render(&settings).unwrap().picture;
+        settings.skip = skip;
+        let lossy = renderer.render(&settings).unwrap().picture;
+        // The reference loses the same.
+        let (db, _) = psnr(&lossy, &reference.render(&settings).unwrap().picture);
+        assert!(db > 50.0, "{name}, {skip:?}: {db} dB");
+        psnr(&lossy, &by_box)
+    };
+    let thin = worst("thin", Skip::TwoStep, 0.5);
+    let smooth = worst("capsules", Skip::TwoStep, 0.2);
+    let strided = worst("capsules", Skip::Adaptive, 0.1);
+    assert!(thin.1 > 0.05, "{thin:?}");
+    assert!(smooth.0 > 40.0, "{smooth:?}");
+    assert!(strided.1 > 0.0 && strided.0 > 40.0, "{strided:?}");
 }
 
 #[test]
@@ -200,7 +298,10 @@ fn counting_changes_no_bit_and_counts_what_the_reference_counts() {
             "{}",
             method.name
         );
-        // What contributes depends on no method, and the reference need not have this one.
+        if !method.lossless {
+            continue;
+        }
+        // What contributes depends on no lossless method.
         let truth = reference
             .count(&Settings {
                 skip: Skip::Box,
@@ -218,6 +319,7 @@ fn counting_changes_no_bit_and_counts_what_the_reference_counts() {
             method.name
         );
         assert!(counted.counters.samples >= counted.counters.contributing);
+        assert!(!method.is_limit || counted.counters.samples == counted.counters.contributing);
         let hits = counted.first_hit.iter().zip(&truth.first_hit);
         let far_off = hits
             .filter(|(a, b)| a.is_finite() && b.is_finite() && (**a - **b).abs() > 0.6)
@@ -257,14 +359,7 @@ fn a_picture_in_many_dispatches_is_that_of_one() {
     };
     settings.step_voxels = 24.0 / 60_000.0;
     let expected = 1.0 - 0.95_f64.powi(24);
-    let skips = [
-        Skip::Box,
-        Skip::Hull,
-        Skip::HalfSplit,
-        Skip::KCuts,
-        Skip::BeamMasks,
-    ];
-    for skip in skips {
+    for skip in lossless() {
         settings.skip = skip;
         let counted = renderer.count(&settings).unwrap();
         assert_eq!(counted.samples[27], 60_000, "{skip:?}");
@@ -297,7 +392,7 @@ fn a_picture_in_pieces_is_bit_identical_for_every_method() {
     let wide = renderer.render(&settings).unwrap().picture;
     assert!(wide.rgba.iter().any(|p| p[3] > 0.1));
     settings.cuts.slabs = SlabCount::AtMost(8);
-    for skip in [Skip::Hull, Skip::HalfSplit, Skip::KCuts, Skip::BeamMasks] {
+    for skip in lossless() {
         settings.skip = skip;
         assert_eq!(
             renderer

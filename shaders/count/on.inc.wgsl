@@ -18,6 +18,11 @@ fn count_skip() {
     counted.z += 1u;
 }
 
+// A look at the data that adds nothing.
+fn count_probe() {
+    counted.x += 1u;
+}
+
 fn count_sample(color: vec4f, k: u32, ray: Ray) {
     counted.x += 1u;
     if any(color != vec4f(0.0)) {

@@ -26,7 +26,8 @@ struct MarchSettings {
     takes_runs: u32,
     // Leaf blocks along x, y, z.
     block_dims: vec3u,
-    pad1: u32,
+    // Words for every pixel of what is found out before the march.
+    ray_words: u32,
 }
 
 // 8x8 pixels to march. Mirrors gpu::abi::Tile.

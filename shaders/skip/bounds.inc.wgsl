@@ -1,6 +1,7 @@
 // Segments known before the march: the bounding box, the rasterised bounds of each part of the volume, near part first, or
 // the runs of active layers of the ray's tile. Used by box, hull, half-split and beam-masks, which share one compiled
 // pipeline so that they share every bit.
+#import step/one
 
 // Depth layers 2i and 2i + 1: entry and exit of segment i, in depth along the unnormalised direction times depth_scale.
 @group(1) @binding(0) var bounds: texture_depth_2d_array;
@@ -18,7 +19,7 @@ struct Segment {
     pad: f32,
 }
 
-fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile) -> Segment {
+fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
     if settings.takes_runs == 0u {
         let scale = ray.length / (view.depth_scale * view.step);
         // One sample more at each end: the rasteriser rounds.

@@ -57,6 +57,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let size = args.size.unwrap_or_else(|| size_for(&info));
     let methods: Vec<Skip> = METHODS
         .iter()
+        .filter(|m| m.lossless && !m.is_limit)
         .map(|m| m.skip)
         .filter(|&m| renderers[0].has(m))
         .collect();

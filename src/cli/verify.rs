@@ -149,7 +149,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
             // Writing to a String cannot fail.
             let _ = write!(
                 text,
-                "{:<14}{} pixels differ from box",
+                "{:<16}{} pixels differ from box",
                 t.method, t.differing_pixels
             );
             if let Some(case) = t.worst {

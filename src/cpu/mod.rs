@@ -127,7 +127,13 @@ impl CpuPlan {
             Skip::HalfSplit => layers(Collapse::Halves),
             Skip::BeamMasks => layers(Collapse::Runs),
             Skip::DistanceMap => Skipping::Distance(DistanceMap::new(occupancy)),
-            Skip::KCuts => unreachable!("refused above"),
+            Skip::KCuts
+            | Skip::GridDda
+            | Skip::SegmentList
+            | Skip::OctreeEncoded
+            | Skip::TwoStep
+            | Skip::Adaptive
+            | Skip::Oracle => unreachable!("refused above"),
         };
         let background = with_voxels!(&volume.voxels, v => Background::find(table, v));
         // The paper's methods are kept as they are; those that look at blocks look at cells too.

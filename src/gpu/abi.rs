@@ -52,7 +52,7 @@ pub struct MarchSettings {
     pub tile_first: u32,
     pub takes_runs: u32,
     pub block_dims: [u32; 3],
-    pub pad1: u32,
+    pub ray_words: u32,
 }
 
 /// `Tile` in `shaders/shared/march_settings.inc.wgsl`.
@@ -113,7 +113,7 @@ mod tests {
             extent, pad2, grid_from_local, pad3, centre, origin, size, pad4, clip_from_local);
         mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
             tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, takes_runs,
-            block_dims, pad1);
+            block_dims, ray_words);
         mirrors!(Tile: at, first_run, run_count, axis);
     }
 }

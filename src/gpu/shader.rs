@@ -15,17 +15,28 @@ shaders![
     "faces",
     "march",
     "present",
+    "segments",
+    "count/contributing.inc",
     "count/off.inc",
     "count/on.inc",
     "mode/emission_absorption.inc",
     "sample/exact.inc",
     "sample/hardware.inc",
     "sample/post.inc",
+    "shared/blocks.inc",
     "shared/march_settings.inc",
     "shared/ray.inc",
     "shared/view.inc",
+    "skip/adaptive.inc",
     "skip/bounds.inc",
     "skip/distance_map.inc",
+    "skip/grid_dda.inc",
+    "skip/octree_encoded.inc",
+    "skip/oracle.inc",
+    "skip/segment_list.inc",
+    "skip/two_step.inc",
+    "step/one.inc",
+    "step/several.inc",
 ];
 
 /// The text of pass `root` with all imports resolved. `choices` fills `{NAME}`s in import paths.
@@ -112,6 +123,7 @@ mod tests {
         let mut composed = vec![
             compose("faces", &[]).unwrap(),
             compose("present", &[]).unwrap(),
+            compose("segments", &[]).unwrap(),
         ];
         for skip in names("skip/") {
             for sampler in names("sample/").into_iter().filter(|name| *name != "post") {

@@ -5,7 +5,8 @@ use crate::lattice::{Ray, RayBasis};
 use crate::mode::{Mode, emission_absorption};
 use crate::sample::{Sampler, cell, trilinear};
 use crate::scene::{Counters, Scene};
-use crate::skip::{Plan, Segments};
+use crate::skip::Plan;
+use crate::skip::adaptive::over_stride;
 
 /// All that the pixels of one picture share.
 pub(super) struct Marcher<'a, V, C> {
@@ -53,21 +54,25 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
     pub(super) fn pixel(&self, x: usize, y: usize) -> Pixel {
         let ray = self.basis.ray(x as f64, y as f64);
         match self.mode {
-            Mode::EmissionAbsorption => self.emission_absorption(&ray),
+            Mode::EmissionAbsorption => self.emission_absorption(&ray, [x as u32, y as u32]),
         }
     }
 
-    fn emission_absorption(&self, ray: &Ray<f64>) -> Pixel {
+    fn emission_absorption(&self, ray: &Ray<f64>, pixel: [u32; 2]) -> Pixel {
         let mut state = emission_absorption::State::<f64>::init();
-        let mut segments = self.plan.segments(ray);
+        let rgba_at = |k: f64| self.classes.rgba(self.sample(ray.at(k)));
+        let shows = |k: u32| rgba_at(f64::from(k)) != [0.0; 4];
+        let mut segments = self.plan.segments(ray, pixel, &shows);
         let mut counters = Counters::default();
         let mut first_hit = f64::INFINITY;
         let mut k = 0;
         'ray: while let Some(segment) = segments.next(k, f64::NAN) {
             k = segment.end;
-            for k in segment {
+            let stride = segments.stride();
+            for k in segment.step_by(stride as usize) {
                 counters.samples += 1;
-                let rgba = self.classes.rgba(self.sample(ray.at(f64::from(k))));
+                let middle = f64::from(k) + 0.5 * f64::from(stride - 1);
+                let rgba = over_stride(rgba_at(middle), stride);
                 if rgba == [0.0; 4] {
                     continue;
                 }
@@ -81,6 +86,7 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
                 }
             }
         }
+        counters.samples += u64::from(segments.probes());
         counters.skip_steps = u64::from(segments.steps());
         Pixel {
             rgba: state.rgba,

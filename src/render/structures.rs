@@ -13,8 +13,9 @@ use super::{Preparation, Settings, ms_since};
 use crate::camera::{Camera, Projection};
 use crate::cpu::CpuPlan;
 use crate::error::{Error, Result};
-use crate::octree::{Accelerator, Hull, Occupancy};
+use crate::octree::{Accelerator, Hull, LeafGrid, Occupancy};
 use crate::scene::Scene;
+use crate::skip::adaptive::{Gradients, Strides};
 use crate::skip::beam_masks::BeamMasks;
 use crate::skip::k_cuts::{BestCuts, CUT_SAMPLES, Planes};
 use crate::skip::{self, HalfCut, Plan, Skip};
@@ -52,6 +53,8 @@ pub(super) struct GpuNeeds<'a> {
 struct Kept {
     accelerator: Accelerator,
     build_ms: f64,
+    /// What adaptive strides follow from, besides the table.
+    gradients: Option<Gradients>,
     culled: Option<Culled>,
 }
 
@@ -70,8 +73,18 @@ struct Culled {
     /// What the SIMD backend keeps, by method.
     cpu_plans: Vec<CpuPlan>,
     masks: Option<BeamMasks>,
-    /// What shaders of their own read of every block, by method; its place is part of its name.
-    words: Vec<(Skip, Vec<u32>)>,
+    /// What shaders of their own read of every block, by method.
+    words: Vec<Words>,
+}
+
+/// What one method's shader reads of every block.
+struct Words {
+    /// Names them among all that is on the device.
+    id: u64,
+    skip: Skip,
+    /// The table that they were made for.
+    table: Arc<Table>,
+    words: Vec<u32>,
 }
 
 impl Structures {
@@ -119,7 +132,7 @@ impl Structures {
         scene: &Scene,
         table: &Arc<Table>,
     ) -> Result<(GpuNeeds<'_>, Preparation)> {
-        if settings.skip == Skip::Box {
+        if !settings.skip.reads_blocks() {
             let needs = GpuNeeds {
                 parts: Vec::new(),
                 masks: None,
@@ -129,13 +142,41 @@ impl Structures {
             return Ok((needs, Preparation::default()));
         }
         let cut_samples = self.cut_samples();
+        self.next_id += 1;
+        let words_id = self.next_id;
         let kept = self.culled(settings, scene, table)?;
         let (accelerator, build_ms) = (&kept.accelerator, kept.build_ms);
         let culled = kept.culled.as_mut().expect("culled just above");
         if settings.skip == Skip::BeamMasks && culled.masks.is_none() {
             culled.masks = Some(BeamMasks::new(culled.occupancy.clone()));
         }
-        culled.make_words(settings.skip);
+        if settings.skip == Skip::Adaptive {
+            // What its words say of blocks follows from the whole table, not only from where it shows anything.
+            let is_current = |w: &Words| w.skip != settings.skip || Arc::ptr_eq(&w.table, table);
+            culled.words.retain(is_current);
+        }
+        if culled.words_of(settings.skip).is_none() {
+            let start = Instant::now();
+            let words = match settings.skip {
+                Skip::Adaptive => {
+                    let grid = &kept.accelerator.grid;
+                    let gradients = kept
+                        .gradients
+                        .get_or_insert_with(|| Gradients::new(scene.volume, grid));
+                    Some(strides(gradients, grid, &culled.occupancy, scene).words())
+                }
+                skip => skip.block_words(&culled.occupancy),
+            };
+            if let Some(words) = words {
+                culled.words.push(Words {
+                    id: words_id,
+                    skip: settings.skip,
+                    table: Arc::clone(table),
+                    words,
+                });
+            }
+            culled.cull_ms += ms_since(start);
+        }
         let regions = culled.regions(settings, scene, cut_samples);
         let places: Vec<usize> = regions.iter().map(|r| culled.make_hull(r)).collect();
         let culled = &*culled;
@@ -168,16 +209,29 @@ impl Structures {
         scene: &Scene,
         table: &Arc<Table>,
     ) -> Result<(Plan<'_>, Preparation)> {
-        if settings.skip == Skip::Box {
-            return Ok((Plan::Box, Preparation::default()));
+        match settings.skip {
+            Skip::Box => return Ok((Plan::Box, Preparation::default())),
+            Skip::TwoStep => return Ok((Plan::TwoStep, Preparation::default())),
+            _ => {}
         }
         let cut_samples = self.cut_samples();
         let kept = self.culled(settings, scene, table)?;
         let culled = kept.culled.as_mut().expect("culled just above");
         let (axis, planes) = culled.planes(settings, scene, cut_samples);
         let culled = &*culled;
-        let plan = Plan::with_planes(settings.skip, &culled.occupancy, axis, planes)?;
-        Ok((plan, culled.preparation(&kept.accelerator, kept.build_ms)))
+        let mut preparation = culled.preparation(&kept.accelerator, kept.build_ms);
+        let start = Instant::now();
+        let plan = if settings.skip == Skip::Adaptive {
+            let grid = &kept.accelerator.grid;
+            let gradients = kept
+                .gradients
+                .get_or_insert_with(|| Gradients::new(scene.volume, grid));
+            Plan::Adaptive(strides(gradients, grid, &culled.occupancy, scene))
+        } else {
+            Plan::with_planes(settings.skip, &culled.occupancy, scene.frame, axis, planes)?
+        };
+        preparation.cull_ms += ms_since(start);
+        Ok((plan, preparation))
     }
 
     /// What the SIMD backend needs.
@@ -243,6 +297,7 @@ impl Structures {
                 entry.insert(Kept {
                     accelerator,
                     build_ms: ms_since(start),
+                    gradients: None,
                     culled: None,
                 })
             }
@@ -355,22 +410,10 @@ impl Culled {
         }
     }
 
-    /// Makes what a method's own shader reads, unless it stands or there is nothing to read.
-    fn make_words(&mut self, skip: Skip) {
-        if self.words.iter().any(|(s, _)| *s == skip) {
-            return;
-        }
-        let start = Instant::now();
-        if let Some(words) = skip.block_words(&self.occupancy) {
-            self.words.push((skip, words));
-        }
-        self.cull_ms += ms_since(start);
-    }
-
+    /// What a method's own shader reads, and its name.
     fn words_of(&self, skip: Skip) -> Option<(u64, &[u32])> {
-        let place = self.words.iter().position(|(s, _)| *s == skip)?;
-        let id = self.id << 8 | place as u64;
-        Some((id, &self.words[place].1))
+        let found = self.words.iter().find(|w| w.skip == skip)?;
+        Some((found.id, &found.words))
     }
 
     /// The axis that the settings' method cuts across, and where it does.
@@ -446,9 +489,19 @@ impl Culled {
         let hulls = self.hulls.iter().map(|(_, h)| size_of_val(&h.faces[..]));
         (size_of_val(self.occupancy.words())
             + hulls.sum::<usize>()
-            + self.words.iter().map(|(_, w)| w.len() * 4).sum::<usize>()
+            + self.words.iter().map(|w| w.words.len() * 4).sum::<usize>()
             + self.masks.as_ref().map_or(0, BeamMasks::bytes)) as u64
     }
+}
+
+/// The strides that adaptive takes in a scene.
+fn strides(
+    gradients: &Gradients,
+    grid: &LeafGrid,
+    occupancy: &Occupancy,
+    scene: &Scene,
+) -> Strides {
+    Strides::new(occupancy, gradients, grid, scene.table, scene.frame.step)
 }
 
 /// Boxes around the active blocks, some blocks to each.

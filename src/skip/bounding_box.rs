@@ -1,6 +1,6 @@
 //! The bounding box: every sample of the ray, the baseline of all methods.
 
-use super::Listed;
+use super::plan::Listed;
 use super::traversal::Line;
 
 /// The whole range of the ray.

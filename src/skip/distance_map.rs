@@ -66,12 +66,7 @@ impl DistanceMap {
 
     /// Four distances to a word, x fastest, the first in the lowest byte: what shaders read.
     pub fn words(&self) -> Vec<u32> {
-        let word = |four: &[u8]| {
-            four.iter()
-                .rev()
-                .fold(0, |word, &d| word << 8 | u32::from(d))
-        };
-        self.distances.chunks(4).map(word).collect()
+        super::words_of_bytes(&self.distances)
     }
 
     /// Distances, x fastest: what packets read.
@@ -82,10 +77,7 @@ impl DistanceMap {
     /// The block that a grid coordinate of `axis` lies in, clamped to the grid.
     #[inline(always)]
     pub fn block_at<R: Real>(&self, axis: usize, grid: R) -> R {
-        (grid * R::splat(1.0 / self.block as f64))
-            .floor()
-            .max(R::splat(0.0))
-            .min(R::splat((self.dims[axis] - 1) as f64))
+        block_at(self.block, self.dims[axis], grid)
     }
 
     /// How many samples on from the one at `at` are certain to see nothing, that one included; at least 1.
@@ -93,23 +85,7 @@ impl DistanceMap {
     /// `block` is where the sample lies and `distance` (at least 1) what the map says there.
     #[inline(always)]
     pub fn leap<R: Real>(&self, ray: &Ray<R>, at: [R; 3], block: [R; 3], distance: R) -> R {
-        let zero = R::splat(0.0);
-        let one = R::splat(1.0);
-        let edge = R::splat(self.block as f64);
-        let mut least = R::splat(1e30);
-        for a in 0..3 {
-            let delta = ray.delta[a];
-            let forward = zero.lt(delta);
-            let face = R::select(
-                forward,
-                (block[a] + distance) * edge + R::splat(REACH),
-                (block[a] + one - distance) * edge - R::splat(REACH),
-            );
-            let parallel = delta.abs().lt(R::splat(1e-30));
-            let samples = (face - at[a]) / R::select(parallel, one, delta);
-            least = least.min(R::select(parallel, R::splat(1e30), samples));
-        }
-        least.ceil().max(one)
+        leap(self.block, ray, at, block, distance)
     }
 
     /// The segments of one ray.
@@ -120,6 +96,43 @@ impl DistanceMap {
             steps: 0,
         }
     }
+}
+
+/// The block of `edge` voxels that a grid coordinate lies in, clamped to the `dims` blocks of its axis.
+#[inline(always)]
+pub(super) fn block_at<R: Real>(edge: usize, dims: usize, grid: R) -> R {
+    (grid * R::splat(1.0 / edge as f64))
+        .floor()
+        .max(R::splat(0.0))
+        .min(R::splat((dims - 1) as f64))
+}
+
+/// [`DistanceMap::leap`] for blocks of `edge` voxels.
+#[inline(always)]
+pub(super) fn leap<R: Real>(
+    edge: usize,
+    ray: &Ray<R>,
+    at: [R; 3],
+    block: [R; 3],
+    distance: R,
+) -> R {
+    let zero = R::splat(0.0);
+    let one = R::splat(1.0);
+    let edge = R::splat(edge as f64);
+    let mut least = R::splat(1e30);
+    for a in 0..3 {
+        let delta = ray.delta[a];
+        let forward = zero.lt(delta);
+        let face = R::select(
+            forward,
+            (block[a] + distance) * edge + R::splat(REACH),
+            (block[a] + one - distance) * edge - R::splat(REACH),
+        );
+        let parallel = delta.abs().lt(R::splat(1e-30));
+        let samples = (face - at[a]) / R::select(parallel, one, delta);
+        least = least.min(R::select(parallel, R::splat(1e30), samples));
+    }
+    least.ceil().max(one)
 }
 
 /// Distance along a row to the nearest set bit.

@@ -1,8 +1,8 @@
 //! Half-splitting (Yu et al. 2016): the volume is cut across the view's dominant axis, and each half has a hull of its
 //! own, so that a cavity at the cut is not marched.
 
-use super::Listed;
 use super::k_cuts::{KCuts, Planes};
+use super::plan::Listed;
 use super::traversal::Line;
 use crate::octree::Occupancy;
 

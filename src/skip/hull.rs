@@ -1,7 +1,7 @@
 //! The culled hull: from the first to the last active block that the ray meets (what rasterising the outer faces of the
 //! active blocks yields on the GPU).
 
-use super::Listed;
+use super::plan::Listed;
 use super::traversal::Line;
 use crate::octree::Occupancy;
 

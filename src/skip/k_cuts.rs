@@ -7,8 +7,9 @@
 
 use std::ops::Range;
 
+use super::Skip;
+use super::plan::Listed;
 use super::traversal::Line;
-use super::{Listed, Skip};
 use crate::octree::Occupancy;
 
 /// The most slabs that the volume is cut into.

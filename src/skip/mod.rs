@@ -3,33 +3,41 @@
 //! A method yields for each ray an ascending list of half-open ranges of sample indices. It may leave out only samples
 //! whose contribution is exactly zero (unless its row says lossy), so that the picture is bit-identical to [`Skip::Box`].
 
+pub mod adaptive;
 pub mod beam_masks;
 mod bounding_box;
 pub mod distance_map;
+mod frame_runs;
+mod grid_dda;
 mod half_split;
 mod hull;
 pub mod k_cuts;
+mod octree_encoded;
+mod oracle;
+mod plan;
+pub mod segment_list;
 #[cfg(test)]
 mod tests;
 mod traversal;
+mod two_step;
 
+pub use frame_runs::FrameRuns;
+pub use grid_dda::GridDda;
 pub use half_split::HalfSplit;
 pub use hull::Hull;
 pub use k_cuts::{Cuts, HalfCut, KCuts, SlabCount};
+pub use plan::{Plan, Segments, Shows};
 
 #[cfg(test)]
 mod support;
 
-use std::ops::Range;
-
 use glam::DVec3;
 
 use crate::error::{Error, Result};
-use crate::lattice::{Ray, Real};
 use crate::octree::Occupancy;
 use distance_map::DistanceMap;
-use k_cuts::{BestCuts, DEFAULT_CUT_COST, MAX_SLABS, Planes};
-use traversal::Line;
+use k_cuts::MAX_SLABS;
+use segment_list::MOST_SEGMENTS;
 
 /// The choice of skipping method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -46,6 +54,18 @@ pub enum Skip {
     BeamMasks,
     /// Leaps of the distance to the nearest active block.
     DistanceMap,
+    /// A walk from block to block.
+    GridDda,
+    /// All entries and exits, listed before the march.
+    SegmentList,
+    /// Every position, but only samples in active blocks.
+    OctreeEncoded,
+    /// Probes far apart, samples around those that show something.
+    TwoStep,
+    /// Strides as data and transfer function vary.
+    Adaptive,
+    /// The contributing samples alone: no method, but the limit.
+    Oracle,
 }
 
 /// A method's row in the table that every part of the program reads.
@@ -57,6 +77,8 @@ pub struct Method {
     pub name: &'static str,
     /// Whether pictures are bit-identical to those of [`Skip::Box`].
     pub lossless: bool,
+    /// Whether it is no method to draw with but the limit that methods are measured against.
+    pub is_limit: bool,
     /// The file in `shaders/skip/` that draws it: methods whose segments are known before the march share one.
     pub shader: &'static str,
     /// The backends that have it.
@@ -77,6 +99,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::Box,
         name: "box",
         lossless: true,
+        is_limit: false,
         shader: "bounds",
         backends: &["gpu", "cpu", "reference"],
         max_segments: 1,
@@ -88,6 +111,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::Hull,
         name: "hull",
         lossless: true,
+        is_limit: false,
         shader: "bounds",
         backends: &["gpu", "cpu", "reference"],
         max_segments: 1,
@@ -99,6 +123,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::HalfSplit,
         name: "half-split",
         lossless: true,
+        is_limit: false,
         shader: "bounds",
         backends: &["gpu", "cpu", "reference"],
         max_segments: 2,
@@ -110,6 +135,7 @@ pub const METHODS: &[Method] = &[
         skip: Skip::KCuts,
         name: "k-cuts",
         lossless: true,
+        is_limit: false,
         shader: "bounds",
         backends: &["gpu", "reference"],
         max_segments: MAX_SLABS,
@@ -121,8 +147,9 @@ pub const METHODS: &[Method] = &[
         skip: Skip::BeamMasks,
         name: "beam-masks",
         lossless: true,
+        is_limit: false,
         shader: "bounds",
-        backends: &["gpu", "cpu"],
+        backends: &["gpu", "cpu", "reference"],
         max_segments: usize::MAX,
         summary: "runs of active layers along the view axis, one mask per tile of pixels",
         origin: "this project",
@@ -132,12 +159,85 @@ pub const METHODS: &[Method] = &[
         skip: Skip::DistanceMap,
         name: "distance-map",
         lossless: true,
+        is_limit: false,
         shader: "distance_map",
-        backends: &["gpu", "cpu"],
+        backends: &["gpu", "cpu", "reference"],
         max_segments: usize::MAX,
         summary: "leaps of the Chebyshev distance to the nearest active block",
         origin: "Sramek & Kaufman 2000; Deakin & Knoll 2019",
         known_failure: "fragmented data: the leaps get short; the map is rebuilt with every table",
+    },
+    Method {
+        skip: Skip::GridDda,
+        name: "grid-dda",
+        lossless: true,
+        is_limit: false,
+        shader: "grid_dda",
+        backends: &["gpu", "reference"],
+        max_segments: usize::MAX,
+        summary: "a walk from block to block, sampling the active ones",
+        origin: "Amanatides & Woo 1987; macrocells of OpenVKL, OSPRay",
+        known_failure: "many small steps through large cavities; neighbouring rays diverge",
+    },
+    Method {
+        skip: Skip::SegmentList,
+        name: "segment-list",
+        lossless: true,
+        is_limit: false,
+        shader: "segment_list",
+        backends: &["gpu", "reference"],
+        max_segments: MOST_SEGMENTS,
+        summary: "all entries and exits of each ray, listed before the march",
+        origin: "Hadwiger et al. 2018 (SparseLeap)",
+        known_failure: "memory for every pixel; past its last slot a list marches to the last exit",
+    },
+    Method {
+        skip: Skip::OctreeEncoded,
+        name: "octree-encoded",
+        lossless: true,
+        is_limit: false,
+        shader: "octree_encoded",
+        backends: &["gpu", "reference"],
+        max_segments: usize::MAX,
+        summary: "every position of the box, but only samples in active blocks are loaded",
+        origin: "Kang et al. 2012, as Yu et al. 2016 describe it",
+        known_failure: "does not skip: it saves the accumulation, not the way",
+    },
+    Method {
+        skip: Skip::TwoStep,
+        name: "two-step",
+        lossless: false,
+        is_limit: false,
+        shader: "two_step",
+        backends: &["gpu", "reference"],
+        max_segments: usize::MAX,
+        summary: "coarse steps through emptiness, back by one on the first hit (lossy)",
+        origin: "Ye et al. 2010, as Yu et al. 2016 describe it",
+        known_failure: "walls thinner than a coarse step are lost; large cavities still cost many",
+    },
+    Method {
+        skip: Skip::Adaptive,
+        name: "adaptive",
+        lossless: false,
+        is_limit: false,
+        shader: "adaptive",
+        backends: &["gpu", "reference"],
+        max_segments: usize::MAX,
+        summary: "steps by block, as data and transfer function vary (lossy)",
+        origin: "Bergner et al. 2006; Suwelack et al. 2010",
+        known_failure: "the gradients of all voxels are read first; the picture depends on the rule",
+    },
+    Method {
+        skip: Skip::Oracle,
+        name: "oracle",
+        lossless: true,
+        is_limit: true,
+        shader: "oracle",
+        backends: &["gpu", "reference"],
+        max_segments: usize::MAX,
+        summary: "the contributing samples alone, found by a first march that is not timed: the limit",
+        origin: "this project",
+        known_failure: "no method: it takes a whole picture to find what it marches",
     },
 ];
 
@@ -169,95 +269,29 @@ impl Skip {
         Err(Error::setting("method", reason))
     }
 
-    /// What its shader reads of every block, if it has one of its own.
+    /// Whether it is told which blocks are active.
+    pub fn reads_blocks(self) -> bool {
+        !matches!(self, Self::Box | Self::TwoStep)
+    }
+
+    /// What its shader reads of every block, if it has one of its own that reads no more than which are active.
     pub fn block_words(self, occupancy: &Occupancy) -> Option<Vec<u32>> {
         match self {
             Self::DistanceMap => Some(DistanceMap::new(occupancy).words()),
-            Self::Box | Self::Hull | Self::HalfSplit | Self::KCuts | Self::BeamMasks => None,
+            Self::GridDda | Self::SegmentList | Self::OctreeEncoded => Some(
+                occupancy
+                    .words()
+                    .iter()
+                    .flat_map(|&word| [word as u32, (word >> 32) as u32])
+                    .collect(),
+            ),
+            _ => None,
         }
     }
 
     /// The method of this name.
     pub fn from_name(name: &str) -> Option<Self> {
         METHODS.iter().find(|m| m.name == name).map(|m| m.skip)
-    }
-}
-
-/// A method made ready for one picture: which blocks count as active, where the cut lies.
-#[derive(Debug, Clone, Copy)]
-pub enum Plan<'a> {
-    /// [`Skip::Box`].
-    Box,
-    /// [`Skip::Hull`].
-    Hull(Hull<'a>),
-    /// [`Skip::HalfSplit`].
-    HalfSplit(HalfSplit<'a>),
-    /// [`Skip::KCuts`].
-    KCuts(KCuts<'a>),
-}
-
-impl<'a> Plan<'a> {
-    /// The method `skip` over these blocks for a camera that looks along `forward`; half-split cuts in the middle, k-cuts
-    /// as [`DEFAULT_CUT_COST`] has it.
-    ///
-    /// # Errors
-    /// As [`Self::with_planes`].
-    pub fn new(skip: Skip, occupancy: &'a Occupancy, forward: DVec3) -> Result<Self> {
-        let axis = half_axis(forward);
-        let planes = match skip {
-            Skip::KCuts => BestCuts::new(occupancy, axis).cheapest(DEFAULT_CUT_COST),
-            _ => Planes::new(&[occupancy.half_cut(axis)]),
-        };
-        Self::with_planes(skip, occupancy, axis, planes)
-    }
-
-    /// The method `skip` over these blocks, cut across `axis` at these planes if it cuts (half-split at the first).
-    ///
-    /// # Errors
-    /// [`Error::Setting`] for methods that have no segments of a single ray: only the backends named in it have them.
-    pub fn with_planes(
-        skip: Skip,
-        occupancy: &'a Occupancy,
-        axis: usize,
-        planes: Planes,
-    ) -> Result<Self> {
-        match skip {
-            Skip::Box => Ok(Self::Box),
-            Skip::Hull => Ok(Self::Hull(Hull { occupancy })),
-            Skip::HalfSplit => {
-                let cut = planes.as_slice().first().copied().unwrap_or(0);
-                Ok(Self::HalfSplit(HalfSplit {
-                    occupancy,
-                    axis,
-                    cut,
-                }))
-            }
-            Skip::KCuts => Ok(Self::KCuts(KCuts {
-                occupancy,
-                axis,
-                planes,
-            })),
-            Skip::BeamMasks | Skip::DistanceMap => Err(Error::setting(
-                "method",
-                format!("{} has no segments of a single ray", skip.method().name),
-            )),
-        }
-    }
-
-    /// The segments of a ray, whatever numbers it was computed in.
-    ///
-    /// A sample is left out only where its position, as [`Ray::at`] rounds it, lies less than half a voxel outside an
-    /// inactive block: the closed support of that block still holds all voxels that it touches.
-    pub fn segments<R: Real + Into<f64>>(&self, ray: &Ray<R>) -> impl Segments + use<R> {
-        let Some(line) = Line::new(ray) else {
-            return Listed::default();
-        };
-        match self {
-            Self::Box => bounding_box::segments(&line),
-            Self::Hull(hull) => hull.segments(&line),
-            Self::HalfSplit(half_split) => half_split.segments(&line),
-            Self::KCuts(k_cuts) => k_cuts.segments(&line),
-        }
     }
 }
 
@@ -268,52 +302,12 @@ pub fn half_axis(forward: DVec3) -> usize {
     (1..3).fold(0, |best, a| if size[a] > size[best] { a } else { best })
 }
 
-/// The segments of one ray, asked for one after another.
-pub trait Segments {
-    /// The next segment at or after sample `k`, not empty; `None` at the end of the ray. `state` is what a mode tells
-    /// of its progress (the running maximum, say; NaN where a mode has nothing to tell).
-    fn next(&mut self, k: u32, state: f64) -> Option<Range<u32>>;
-
-    /// Segments given so far, and steps taken between samples to find them; what was known before the march is free.
-    fn steps(&self) -> u32;
-}
-
-/// The most segments of a [`Listed`].
-const MAX_LISTED: usize = MAX_SLABS;
-
-/// Segments that are known before the march, ascending and disjoint.
-#[derive(Debug, Clone, Default)]
-struct Listed {
-    ranges: [Range<u32>; MAX_LISTED],
-    len: usize,
-    given: usize,
-}
-
-impl Listed {
-    /// Appends the part of `range` that lies after the last one, if there is any.
-    fn push(&mut self, range: Range<u32>) {
-        let after = self.ranges[..self.len].last().map_or(0, |last| last.end);
-        let start = range.start.max(after);
-        if start < range.end {
-            self.ranges[self.len] = start..range.end;
-            self.len += 1;
-        }
-    }
-}
-
-impl Segments for Listed {
-    #[inline]
-    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
-        while let Some(range) = self.ranges[..self.len].get(self.given) {
-            self.given += 1;
-            if k < range.end {
-                return Some(range.start.max(k)..range.end);
-            }
-        }
-        None
-    }
-
-    fn steps(&self) -> u32 {
-        self.given as u32
-    }
+/// Four bytes to a word, the first in the lowest: what shaders read.
+fn words_of_bytes(bytes: &[u8]) -> Vec<u32> {
+    let word = |four: &[u8]| {
+        four.iter()
+            .rev()
+            .fold(0, |word, &byte| word << 8 | u32::from(byte))
+    };
+    bytes.chunks(4).map(word).collect()
 }

@@ -159,7 +159,7 @@ impl Renderer {
         let mut choices = Vec::new();
         for method in METHODS {
             // The oracle is told by a first pass what to sample: a limit, and no way to draw.
-            let is_candidate = method.lossless && method.name != "oracle";
+            let is_candidate = method.lossless && !method.is_limit;
             if !is_candidate || !self.has(method.skip) || self.withdrawn.contains(&method.skip) {
                 continue;
             }

@@ -179,12 +179,14 @@ impl<'a> Bundle<'a> {
         }
         if choice.skip == Skip::DistanceMap {
             let map = level.distances.get_or_init(|| DistanceMap::new(occupancy));
-            self.along_rays(&mut work, |ray| map.segments(*ray));
+            self.along_rays(&mut work, |ray| Box::new(map.segments(*ray)));
             return Some(self.of_all_pixels(work));
         }
         let planes = self.planes(choice, level, cut_samples);
-        let plan = Plan::with_planes(choice.skip, occupancy, self.axis, planes).ok()?;
-        self.along_rays(&mut work, |ray| plan.segments(ray));
+        let frame = self.scene.frame;
+        let plan = Plan::with_planes(choice.skip, occupancy, frame, self.axis, planes).ok()?;
+        // Beams of tiles are followed above; no other lossless method asks which pixel it is or what shows.
+        self.along_rays(&mut work, |ray| plan.segments(ray, [0; 2], &|_| false));
         if backend != "gpu" || choice.skip == Skip::Box {
             return Some(self.of_all_pixels(work));
         }
@@ -222,7 +224,11 @@ impl<'a> Bundle<'a> {
     }
 
     /// Adds what a method does per pixel whose rays find their own segments.
-    fn along_rays<S: Segments>(&self, work: &mut Work, segments: impl Fn(&Ray<f64>) -> S) {
+    fn along_rays<'s>(
+        &self,
+        work: &mut Work,
+        segments: impl Fn(&Ray<f64>) -> Box<dyn Segments + 's>,
+    ) {
         let share = 1.0 / self.rays.len() as f64;
         for BundleRay {
             ray,

@@ -2,6 +2,7 @@
 
 use super::Job;
 use super::tiles::TILE;
+use crate::skip::Skip;
 
 /// Iterations of one invocation in one dispatch. Mesa's software driver ends an invocation silently after 65,535, and
 /// real drivers have watchdogs.
@@ -25,9 +26,12 @@ pub(super) struct Dispatch {
 
 /// Cuts a march into dispatches of bounded length.
 pub(super) fn dispatches(job: &Job, tile_count: u32, is_software: bool) -> Vec<Dispatch> {
-    // Every iteration takes a sample, passes one by, or takes a step between blocks: at most two for each on the way.
+    // Every iteration takes a sample, passes one by, or takes a step between blocks: at most two for each on the way. Methods
+    // that find their segments as they go may take a step before every sample.
     let [x, y, z] = job.block_dims();
-    let longest = job.scene.frame.max_samples() + f64::from(2 * (x + y + z) + 16);
+    let finds_on_the_way = job.skip.method().shader != Skip::Box.method().shader;
+    let per_sample = if finds_on_the_way { 2.0 } else { 1.0 };
+    let longest = job.scene.frame.max_samples() * per_sample + f64::from(2 * (x + y + z) + 16);
     let rounds = ((longest / f64::from(MAX_ITERATIONS)).ceil() as u32).max(1);
     let per_tile = longest.min(f64::from(MAX_ITERATIONS)) as u64 * u64::from(TILE * TILE);
     // A software driver has no watchdog, and splitting costs it a barrier.

@@ -16,7 +16,29 @@ pub(super) struct March {
     pub(super) skip: &'static str,
     pub(super) sampler: Sampler,
     pub(super) mode: Mode,
-    pub(super) counts: bool,
+    pub(super) count: Count,
+}
+
+/// What a march notes besides its picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Count {
+    /// Nothing: what is timed.
+    Off,
+    /// Counters per pixel.
+    On,
+    /// Which samples contribute: what the oracle then marches.
+    Contributing,
+}
+
+impl Count {
+    /// The file in `shaders/count/`.
+    fn shader(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::On => "on",
+            Self::Contributing => "contributing",
+        }
+    }
 }
 
 /// Bind group layouts and the pipelines compiled so far.
@@ -24,10 +46,12 @@ pub(super) struct March {
 pub(super) struct MarchPass {
     /// View, settings, tiles, target, progress, volume, filter, table.
     pub(super) scene_layout: wgpu::BindGroupLayout,
-    /// Bounds, work counters, runs, blocks.
+    /// Bounds, what a pass notes (work counters, or what the next one reads), runs, blocks or what the last pass noted.
     pub(super) skip_layout: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
     pipelines: HashMap<March, wgpu::ComputePipeline>,
+    /// Lists segments before the march.
+    segments: Option<wgpu::ComputePipeline>,
 }
 
 /// Distance of two march settings in their buffer: what every adapter allows as a dynamic offset.
@@ -123,6 +147,7 @@ impl MarchPass {
             skip_layout,
             layout,
             pipelines: HashMap::new(),
+            segments: None,
         }
     }
 
@@ -136,28 +161,50 @@ impl MarchPass {
                 ("SKIP", march.skip),
                 ("SAMPLER", march.sampler.name()),
                 ("MODE", march.mode.shader()),
-                ("COUNT", if march.counts { "on" } else { "off" }),
+                ("COUNT", march.count.shader()),
             ];
-            let text = compose("march", &choices)?;
-            let pipeline = gpu.checked(|| {
-                let module = gpu
-                    .device
-                    .create_shader_module(wgpu::ShaderModuleDescriptor {
-                        label: Some("march"),
-                        source: wgpu::ShaderSource::Wgsl(text.into()),
-                    });
-                gpu.device
-                    .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                        label: Some("march"),
-                        layout: Some(&self.layout),
-                        module: &module,
-                        entry_point: Some("march"),
-                        compilation_options: wgpu::PipelineCompilationOptions::default(),
-                        cache: None,
-                    })
-            })?;
+            let pipeline = self.compile(gpu, "march", &choices)?;
             self.pipelines.insert(march, pipeline);
         }
         Ok(&self.pipelines[&march])
+    }
+
+    /// The pipeline that lists segments before the march, compiled at first use.
+    ///
+    /// # Errors
+    /// As [`Self::pipeline`].
+    pub(super) fn segments(&mut self, gpu: &Gpu) -> Result<&wgpu::ComputePipeline> {
+        let pipeline = match self.segments.take() {
+            Some(pipeline) => pipeline,
+            None => self.compile(gpu, "segments", &[])?,
+        };
+        Ok(self.segments.insert(pipeline))
+    }
+
+    /// Compiles the pass of this name, whose entry point has it too.
+    fn compile(
+        &self,
+        gpu: &Gpu,
+        name: &'static str,
+        choices: &[(&str, &str)],
+    ) -> Result<wgpu::ComputePipeline> {
+        let text = compose(name, choices)?;
+        gpu.checked(|| {
+            let module = gpu
+                .device
+                .create_shader_module(wgpu::ShaderModuleDescriptor {
+                    label: Some(name),
+                    source: wgpu::ShaderSource::Wgsl(text.into()),
+                });
+            gpu.device
+                .create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                    label: Some(name),
+                    layout: Some(&self.layout),
+                    module: &module,
+                    entry_point: Some(name),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    cache: None,
+                })
+        })
     }
 }

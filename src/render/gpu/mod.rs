@@ -1,5 +1,6 @@
 //! The GPU backend: resident volume, passes and targets.
 
+mod before;
 mod dispatch;
 mod faces;
 mod march;
@@ -13,9 +14,10 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use self::dispatch::{TILES_PER_ROW, dispatches};
+use self::before::{largest_piece, ray_words};
+use self::dispatch::{Dispatch, TILES_PER_ROW, dispatches};
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
-use self::march::{March, MarchPass, SETTINGS_STRIDE, uniform};
+use self::march::{Count, March, MarchPass, SETTINGS_STRIDE, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
 use self::tiles::{TileMask, tile_runs};
@@ -89,6 +91,8 @@ pub(super) struct GpuBackend {
     tiles: GrowBuffer,
     runs: GrowBuffer,
     blocks: KeptBuffer,
+    /// What is found out of every ray before it is marched.
+    rays: GrowBuffer,
     target: GrowBuffer,
     progress: GrowBuffer,
     work: GrowBuffer,
@@ -142,6 +146,7 @@ impl GpuBackend {
             tiles: GrowBuffer::new("tiles", Usage::STORAGE),
             runs: GrowBuffer::new("runs", Usage::STORAGE),
             blocks: KeptBuffer::new("blocks"),
+            rays: GrowBuffer::new("rays", Usage::STORAGE),
             target: GrowBuffer::new("target", storage),
             progress: GrowBuffer::new("progress", Usage::STORAGE),
             work: GrowBuffer::new("work", storage),
@@ -210,15 +215,19 @@ impl GpuBackend {
     }
 
     /// Bytes on the device of what is kept from frame to frame besides the volume.
-    pub(super) fn structure_bytes(&self) -> u64 {
+    pub(super) fn structure_bytes(&self, job: &Job) -> u64 {
         let faces = self.kept_faces.values().flatten();
-        faces.map(FaceBuffers::bytes).sum::<u64>() + self.blocks.bytes()
+        let largest = largest_piece(job, &self.gpu.device.limits());
+        let [width, height] = job.scene.frame.size.map(|n| u64::from(n.min(largest)));
+        faces.map(FaceBuffers::bytes).sum::<u64>()
+            + self.blocks.bytes()
+            + width * height * 4 * u64::from(ray_words(job))
     }
 
     /// Draws a picture and leaves it on the device: what is timed.
     pub(super) fn draw(&mut self, job: &Job) -> Result<FrameTimes> {
         let mut times = FrameTimes::default();
-        self.pieces(job, false, |_, _| Ok(()), &mut times)?;
+        self.pieces(job, Count::Off, |_, _| Ok(()), &mut times)?;
         Ok(times)
     }
 
@@ -230,7 +239,7 @@ impl GpuBackend {
         let mut read_back_ms = 0.0;
         self.pieces(
             job,
-            false,
+            Count::Off,
             |backend, piece| {
                 let start = Instant::now();
                 let pixels: Vec<[f32; 4]> = backend.read(&backend.target, piece)?;
@@ -251,7 +260,7 @@ impl GpuBackend {
         let mut work = vec![[0_u32; 4]; pixels];
         self.pieces(
             job,
-            true,
+            Count::On,
             |backend, piece| {
                 let colors: Vec<[f32; 4]> = backend.read(&backend.target, piece)?;
                 place(&colors, piece, size, &mut rgba);
@@ -288,9 +297,14 @@ impl GpuBackend {
             self.present = Some(self.gpu.checked(|| PresentPass::new(&self.gpu, kind))??);
         }
         let mut times = FrameTimes::default();
+        let count = if targets.depth.is_some() {
+            Count::On
+        } else {
+            Count::Off
+        };
         self.pieces(
             job,
-            targets.depth.is_some(),
+            count,
             |backend, piece| {
                 let present = backend.present.as_ref().expect("made just above");
                 let buffers = [&backend.views, &backend.target, &backend.work].map(GrowBuffer::get);
@@ -312,13 +326,13 @@ impl GpuBackend {
     fn pieces(
         &mut self,
         job: &Job,
-        counts: bool,
+        count: Count,
         mut done: impl FnMut(&mut Self, &Piece) -> Result<()>,
         times: &mut FrameTimes,
     ) -> Result<()> {
         self.prepare(job)?;
         let [width, height] = job.scene.frame.size;
-        let largest = MAX_TARGET.min(self.gpu.device.limits().max_texture_dimension_2d);
+        let largest = largest_piece(job, &self.gpu.device.limits());
         for y in (0..height).step_by(largest as usize) {
             for x in (0..width).step_by(largest as usize) {
                 let size = [largest.min(width - x), largest.min(height - y)];
@@ -326,13 +340,19 @@ impl GpuBackend {
                     origin: [x, y],
                     size,
                 };
+                if job.skip == Skip::Oracle {
+                    // What makes it no method: all that box takes, to know what to take.
+                    self.draw_piece(job, &piece, Count::Contributing)?;
+                    self.gpu.wait()?;
+                }
                 let start = Instant::now();
-                self.draw_piece(job, &piece, counts)?;
+                self.draw_piece(job, &piece, count)?;
                 self.gpu.wait()?;
                 times.frame_ms += ms_since(start);
                 match self.timer.read_ms(&self.gpu)? {
                     Some(ms) => {
-                        times.raster_ms += if job.parts.is_empty() {
+                        times.raster_ms += if job.parts.is_empty() && job.skip != Skip::SegmentList
+                        {
                             0.0
                         } else {
                             ms[RASTER as usize]
@@ -347,7 +367,7 @@ impl GpuBackend {
         Ok(())
     }
 
-    fn draw_piece(&mut self, job: &Job, piece: &Piece, counts: bool) -> Result<()> {
+    fn draw_piece(&mut self, job: &Job, piece: &Piece, count: Count) -> Result<()> {
         let Some(volume) = &self.volume else {
             return Err(Error::Gpu("no volume was set".to_owned()));
         };
@@ -397,8 +417,11 @@ impl GpuBackend {
         let progress = self
             .progress
             .reserve(gpu, if resumes { pixels * 4 } else { 0 });
-        let work = self.work.reserve(gpu, if counts { pixels * 16 } else { 0 });
+        let counted = if count == Count::On { pixels * 16 } else { 0 };
+        let work = self.work.reserve(gpu, counted);
         let blocks = self.blocks.holding(gpu, job.blocks);
+        let ray_bytes = pixels * 4 * u64::from(ray_words(job));
+        let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
         let table = self.table.write(gpu, job.scene.table.rgba());
 
         let segments = job.parts.len();
@@ -411,11 +434,13 @@ impl GpuBackend {
         }
         let bounds = self.bounds.as_ref().expect("made just above");
 
+        // What the oracle marches is found by box.
+        let is_first = count == Count::Contributing;
         let march = March {
-            skip: job.skip.method().shader,
+            skip: if is_first { Skip::Box } else { job.skip }.method().shader,
             sampler: job.scene.sampler,
             mode: job.scene.mode,
-            counts,
+            count,
         };
         let mut encoder = gpu
             .device
@@ -423,8 +448,11 @@ impl GpuBackend {
                 label: Some("frame"),
             });
         encoder.clear_buffer(target, 0, Some(pixels * 16));
-        if counts {
-            encoder.clear_buffer(work, 0, Some(pixels * 16));
+        if count == Count::On {
+            encoder.clear_buffer(work, 0, Some(counted));
+        }
+        if is_first {
+            encoder.clear_buffer(rays, 0, Some(ray_bytes));
         }
         if segments > 0 {
             let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -486,18 +514,45 @@ impl GpuBackend {
                 bind(7, table.as_entire_binding()),
             ],
         });
-        let skip_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("march skip"),
-            layout: &self.march.skip_layout,
-            entries: &[
-                bind(0, wgpu::BindingResource::TextureView(&bounds.all)),
-                bind(1, work.as_entire_binding()),
-                bind(2, runs.as_entire_binding()),
-                bind(3, blocks.as_entire_binding()),
-            ],
-        });
-        let pipeline = self.march.pipeline(gpu, march)?;
+        let skip_group = |notes: &wgpu::Buffer, reads: &wgpu::Buffer| {
+            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("march skip"),
+                layout: &self.march.skip_layout,
+                entries: &[
+                    bind(0, wgpu::BindingResource::TextureView(&bounds.all)),
+                    bind(1, notes.as_entire_binding()),
+                    bind(2, runs.as_entire_binding()),
+                    bind(3, reads.as_entire_binding()),
+                ],
+            })
+        };
+        let before_march = skip_group(rays, blocks);
+        let march_group = match job.skip {
+            _ if is_first => before_march.clone(),
+            Skip::Oracle | Skip::SegmentList => skip_group(work, rays),
+            _ => skip_group(work, blocks),
+        };
         let last = dispatches.len() - 1;
+        if job.skip == Skip::SegmentList {
+            let pipeline = self.march.segments(gpu)?;
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("segments"),
+                timestamp_writes: self.timer.compute(Place {
+                    span: RASTER,
+                    first: true,
+                    last: true,
+                }),
+            });
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(1, &before_march, &[]);
+            for (i, dispatch) in dispatches.iter().enumerate().filter(|(_, d)| !d.resume) {
+                pass.set_bind_group(0, &scene_group, &[(i as u64 * SETTINGS_STRIDE) as u32]);
+                dispatch_tiles(&mut pass, dispatch);
+            }
+            drop(pass);
+            self.timer.resolve(&mut encoder, RASTER);
+        }
+        let pipeline = self.march.pipeline(gpu, march)?;
         for (i, dispatch) in dispatches.iter().enumerate() {
             let place = Place {
                 span: CAST,
@@ -512,9 +567,8 @@ impl GpuBackend {
                 if dispatch.tile_count > 0 {
                     pass.set_pipeline(pipeline);
                     pass.set_bind_group(0, &scene_group, &[(i as u64 * SETTINGS_STRIDE) as u32]);
-                    pass.set_bind_group(1, &skip_group, &[]);
-                    let rows = dispatch.tile_count.div_ceil(TILES_PER_ROW);
-                    pass.dispatch_workgroups(dispatch.tile_count.min(TILES_PER_ROW), rows, 1);
+                    pass.set_bind_group(1, &march_group, &[]);
+                    dispatch_tiles(&mut pass, dispatch);
                 }
             }
             if i == last {
@@ -540,6 +594,12 @@ impl GpuBackend {
 
 fn bind(binding: u32, resource: wgpu::BindingResource<'_>) -> wgpu::BindGroupEntry<'_> {
     wgpu::BindGroupEntry { binding, resource }
+}
+
+/// A workgroup for every tile of the dispatch.
+fn dispatch_tiles(pass: &mut wgpu::ComputePass, dispatch: &Dispatch) {
+    let rows = dispatch.tile_count.div_ceil(TILES_PER_ROW);
+    pass.dispatch_workgroups(dispatch.tile_count.min(TILES_PER_ROW), rows, 1);
 }
 
 /// Puts a piece where it belongs in the picture.

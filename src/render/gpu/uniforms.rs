@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::before::ray_words;
 use super::dispatch::{Dispatch, MAX_ITERATIONS, TILES_PER_ROW};
 use super::faces::Viewer;
 use super::{Job, Piece};
@@ -41,7 +42,7 @@ pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch
         tile_first: dispatch.tile_first,
         takes_runs: u32::from(job.masks.is_some()),
         block_dims: job.block_dims(),
-        pad1: 0,
+        ray_words: ray_words(job),
     }
 }
 

@@ -1,0 +1,64 @@
+//! Grid DDA: a walk through the blocks that a ray meets, one by one, by block index (Amanatides & Woo 1987; the macrocells
+//! of OpenVKL and OSPRay). Samples are taken in the active ones.
+
+use std::ops::Range;
+
+use super::Segments;
+use super::traversal::{Blocks, Line};
+use crate::octree::Occupancy;
+
+/// The walk through these blocks.
+#[derive(Debug, Clone, Copy)]
+pub struct GridDda<'a> {
+    /// Which blocks are active.
+    pub occupancy: &'a Occupancy,
+}
+
+impl<'a> GridDda<'a> {
+    /// The samples of a line in active blocks, a segment for each block.
+    pub(super) fn segments(self, line: Line) -> Walk<'a> {
+        Walk {
+            occupancy: self.occupancy,
+            line,
+            blocks: Blocks::new(self.occupancy, line, line.span()),
+            given: line.range().start,
+            steps: 0,
+        }
+    }
+}
+
+/// A walk on its way.
+pub(super) struct Walk<'a> {
+    occupancy: &'a Occupancy,
+    line: Line,
+    blocks: Blocks,
+    /// Samples before this one have been given or left out.
+    given: u32,
+    /// Blocks met.
+    steps: u32,
+}
+
+impl Segments for Walk<'_> {
+    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+        for (block, [_, leave]) in self.blocks.by_ref() {
+            self.steps += 1;
+            let all = self.line.range();
+            // A sample where the line leaves lies in the next block; the last one of all has no next.
+            let end = if leave < self.line.span()[1] {
+                ((leave - 0.5).ceil().max(0.0) as u32).clamp(self.given, all.end)
+            } else {
+                all.end
+            };
+            let start = self.given.max(k);
+            self.given = end;
+            if start < end && self.occupancy.get(block) {
+                return Some(start..end);
+            }
+        }
+        None
+    }
+
+    fn steps(&self) -> u32 {
+        self.steps
+    }
+}

@@ -1,0 +1,220 @@
+//! Methods made ready for one picture, and the segments that they give its rays, on the processor.
+
+use std::ops::Range;
+
+use super::adaptive::Strides;
+use super::distance_map::DistanceMap;
+use super::frame_runs::FrameRuns;
+use super::grid_dda::GridDda;
+use super::k_cuts::{BestCuts, DEFAULT_CUT_COST, Planes};
+use super::octree_encoded::Positions;
+use super::oracle::Contributing;
+use super::traversal::Line;
+use super::two_step::Probes;
+use super::{HalfSplit, Hull, KCuts, Skip, bounding_box, half_axis, segment_list};
+use crate::error::{Error, Result};
+use crate::lattice::{Ray, RayFrame, Real};
+use crate::octree::Occupancy;
+
+/// A method made ready for one picture: which blocks count as active, where the cut lies.
+#[derive(Debug)]
+pub enum Plan<'a> {
+    /// [`Skip::Box`].
+    Box,
+    /// [`Skip::Hull`].
+    Hull(Hull<'a>),
+    /// [`Skip::HalfSplit`].
+    HalfSplit(HalfSplit<'a>),
+    /// [`Skip::KCuts`].
+    KCuts(KCuts<'a>),
+    /// [`Skip::BeamMasks`].
+    BeamMasks(FrameRuns),
+    /// [`Skip::DistanceMap`].
+    DistanceMap(DistanceMap),
+    /// [`Skip::GridDda`].
+    GridDda(GridDda<'a>),
+    /// [`Skip::SegmentList`].
+    SegmentList(&'a Occupancy),
+    /// [`Skip::OctreeEncoded`].
+    OctreeEncoded(&'a Occupancy),
+    /// [`Skip::TwoStep`].
+    TwoStep,
+    /// [`Skip::Adaptive`].
+    Adaptive(Strides),
+    /// [`Skip::Oracle`].
+    Oracle,
+}
+
+impl<'a> Plan<'a> {
+    /// The method `skip` over these blocks for the rays of `frame`; half-split cuts in the middle, k-cuts as
+    /// [`DEFAULT_CUT_COST`] has it.
+    ///
+    /// # Errors
+    /// As [`Self::with_planes`].
+    pub fn new(skip: Skip, occupancy: &'a Occupancy, frame: &RayFrame) -> Result<Self> {
+        let axis = half_axis(frame.dir);
+        let planes = match skip {
+            Skip::KCuts => BestCuts::new(occupancy, axis).cheapest(DEFAULT_CUT_COST),
+            _ => Planes::new(&[occupancy.half_cut(axis)]),
+        };
+        Self::with_planes(skip, occupancy, frame, axis, planes)
+    }
+
+    /// The method `skip` over these blocks, cut across `axis` at these planes if it cuts (half-split at the first).
+    ///
+    /// # Errors
+    /// [`Error::Setting`] for [`Skip::Adaptive`], which wants more than blocks: see [`Strides`].
+    pub fn with_planes(
+        skip: Skip,
+        occupancy: &'a Occupancy,
+        frame: &RayFrame,
+        axis: usize,
+        planes: Planes,
+    ) -> Result<Self> {
+        Ok(match skip {
+            Skip::Box => Self::Box,
+            Skip::Hull => Self::Hull(Hull { occupancy }),
+            Skip::HalfSplit => Self::HalfSplit(HalfSplit {
+                occupancy,
+                axis,
+                cut: planes.as_slice().first().copied().unwrap_or(0),
+            }),
+            Skip::KCuts => Self::KCuts(KCuts {
+                occupancy,
+                axis,
+                planes,
+            }),
+            Skip::BeamMasks => Self::BeamMasks(FrameRuns::new(occupancy, frame)),
+            Skip::DistanceMap => Self::DistanceMap(DistanceMap::new(occupancy)),
+            Skip::GridDda => Self::GridDda(GridDda { occupancy }),
+            Skip::SegmentList => Self::SegmentList(occupancy),
+            Skip::OctreeEncoded => Self::OctreeEncoded(occupancy),
+            Skip::TwoStep => Self::TwoStep,
+            Skip::Oracle => Self::Oracle,
+            Skip::Adaptive => {
+                let reason = "adaptive is made from strides, not from blocks alone";
+                return Err(Error::setting("method", reason));
+            }
+        })
+    }
+
+    /// The segments of a pixel's ray, whatever numbers it was computed in. `shows` tells whether a sample of the ray
+    /// contributes; only methods that look at the data on their way ask.
+    ///
+    /// A lossless method leaves a sample out only where its position, as [`Ray::at`] rounds it, lies less than half a voxel
+    /// outside an inactive block: the closed support of that block still holds all voxels that it touches.
+    pub fn segments<'r, R: Real + Into<f64>>(
+        &'r self,
+        ray: &Ray<R>,
+        pixel: [u32; 2],
+        shows: Shows<'r>,
+    ) -> Box<dyn Segments + 'r> {
+        let Some(line) = Line::new(ray) else {
+            return Box::new(Listed::default());
+        };
+        let range = line.range();
+        let ray = Ray {
+            entry: ray.entry.map(Into::into),
+            delta: ray.delta.map(Into::into),
+            k_near: ray.k_near.into(),
+            k_end: ray.k_end.into(),
+            t_box: ray.t_box.into(),
+        };
+        match self {
+            Self::Box => Box::new(bounding_box::segments(&line)),
+            Self::Hull(hull) => Box::new(hull.segments(&line)),
+            Self::HalfSplit(half_split) => Box::new(half_split.segments(&line)),
+            Self::KCuts(k_cuts) => Box::new(k_cuts.segments(&line)),
+            Self::BeamMasks(runs) => Box::new(runs.segments(&ray, pixel)),
+            Self::DistanceMap(map) => Box::new(map.segments(ray)),
+            Self::GridDda(grid_dda) => Box::new(grid_dda.segments(line)),
+            Self::SegmentList(occupancy) => Box::new(segment_list::segments(occupancy, line)),
+            Self::OctreeEncoded(occupancy) => Box::new(Positions {
+                occupancy,
+                ray,
+                steps: 0,
+            }),
+            Self::TwoStep => Box::new(Probes {
+                range,
+                shows,
+                hit: None,
+                probes: 0,
+            }),
+            Self::Adaptive(strides) => Box::new(strides.segments(ray)),
+            Self::Oracle => Box::new(Contributing {
+                range,
+                shows,
+                given: 0,
+            }),
+        }
+    }
+}
+
+/// Whether a sample of a ray contributes.
+pub type Shows<'r> = &'r dyn Fn(u32) -> bool;
+
+/// The segments of one ray, asked for one after another.
+pub trait Segments {
+    /// The next segment at or after sample `k`, not empty; `None` at the end of the ray. `state` is what a mode tells
+    /// of its progress (the running maximum, say; NaN where a mode has nothing to tell).
+    fn next(&mut self, k: u32, state: f64) -> Option<Range<u32>>;
+
+    /// Lattice points that one sample of the segment given last stands for; it lies in their middle, and the segment holds
+    /// a whole number of them.
+    fn stride(&self) -> u32 {
+        1
+    }
+
+    /// Segments given so far, and steps taken between samples to find them; what was known before the march is free.
+    fn steps(&self) -> u32;
+
+    /// Samples that were looked at on the way to segments, besides those in them.
+    fn probes(&self) -> u32 {
+        0
+    }
+}
+
+/// Segments that are known before the march, ascending and disjoint.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Listed {
+    ranges: Vec<Range<u32>>,
+    given: usize,
+}
+
+impl Listed {
+    /// Appends the part of `range` that lies after the last one, if there is any.
+    pub(super) fn push(&mut self, range: Range<u32>) {
+        let after = self.ranges.last().map_or(0, |last| last.end);
+        let start = range.start.max(after);
+        if start < range.end {
+            self.ranges.push(start..range.end);
+        }
+    }
+}
+
+impl FromIterator<Range<u32>> for Listed {
+    fn from_iter<I: IntoIterator<Item = Range<u32>>>(ranges: I) -> Self {
+        let mut listed = Self::default();
+        for range in ranges {
+            listed.push(range);
+        }
+        listed
+    }
+}
+
+impl Segments for Listed {
+    #[inline]
+    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+        while let Some(range) = self.ranges.get(self.given) {
+            self.given += 1;
+            if k < range.end {
+                return Some(range.start.max(k)..range.end);
+            }
+        }
+        None
+    }
+
+    fn steps(&self) -> u32 {
+        self.given as u32
+    }
+}
