@@ -22,6 +22,8 @@ Examples:
   hollowcast render scan.nrrd --method box --backend cpu -o scan.npy
   hollowcast render pot_256x256x178_uint8.raw --tf ramp:40:255:0.3 --step 0.002u --pad-cube
   hollowcast render scan.nii.gz --camera 'eye=64,64,10;target=64,64,100;up=0,1,0' --background '#20242c'
+  hollowcast render scan.nrrd --mode phong --iso 90 --light 1,-1,2 --background white
+  hollowcast render scan.nrrd --mode mip --window 40:200 --background black
   hollowcast render scan.mha --repeat 20 --json
 
 .png holds straight colour (sRGB-encoded unless --png-curve linear); .npy and .exr hold linear f32 colour multiplied by
@@ -105,13 +107,15 @@ pub(super) fn run(args: &Args) -> Result<()> {
     Format::from_path(&args.output)?;
     args.volume.check_output(&args.output)?;
     let volume = args.volume.load()?;
-    let transfer = args.scene.transfer(&volume)?;
+    let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
     let camera = args.scene.camera.camera(&volume, 0.0);
     let step = args.step.in_box(volume.extent());
     let progress = Progress::spinner("drawing");
     let mut renderer = Renderer::new(args.backend)?;
     let skip = args.method.unwrap_or_else(|| renderer.default_skip());
-    let settings = args.scene.settings(skip, args.block, step.voxels, camera);
+    let settings = args
+        .scene
+        .settings(skip, mode, args.block, step.voxels, camera);
     renderer.set_volume(volume.clone())?;
     renderer.set_transfer(transfer);
     let preparation = renderer.prepare(&settings)?;

@@ -19,7 +19,7 @@ use self::march::{March, MarchPass, SETTINGS_STRIDE, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
 use self::tiles::{TileMask, tile_runs};
-use self::uniforms::{settings_of, view_of, viewer_of};
+use self::uniforms::{mode_of, settings_of, view_of, viewer_of};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::gpu::abi::MarchSettings;
@@ -93,6 +93,7 @@ pub(super) struct GpuBackend {
     progress: GrowBuffer,
     work: GrowBuffer,
     table: GrowBuffer,
+    mode: GrowBuffer,
     timer: SpanTimer,
     present: Option<PresentPass>,
     progress_of_job: Arc<Progress>,
@@ -146,6 +147,7 @@ impl GpuBackend {
             progress: GrowBuffer::new("progress", Usage::STORAGE),
             work: GrowBuffer::new("work", storage),
             table: GrowBuffer::new("table", Usage::STORAGE),
+            mode: GrowBuffer::new("mode", Usage::UNIFORM),
             timer: SpanTimer::new(&gpu, 2),
             view_layout,
             gpu,
@@ -392,6 +394,7 @@ impl GpuBackend {
         let work = self.work.reserve(gpu, if counts { pixels * 16 } else { 0 });
         let blocks = self.blocks.holding(gpu, job.blocks);
         let table = self.table.write(gpu, job.scene.table.rgba());
+        let mode = self.mode.write(gpu, &[mode_of(job)]);
 
         let segments = job.parts.len();
         if self
@@ -406,7 +409,7 @@ impl GpuBackend {
         let march = March {
             skip: job.skip.method().shader,
             sampler: job.scene.sampler,
-            mode: job.scene.mode,
+            mode: job.scene.mode.row().shader,
             counts,
         };
         let mut encoder = gpu
@@ -476,6 +479,7 @@ impl GpuBackend {
                 bind(5, wgpu::BindingResource::TextureView(&volume.view)),
                 bind(6, wgpu::BindingResource::Sampler(&filter)),
                 bind(7, table.as_entire_binding()),
+                bind(8, mode.as_entire_binding()),
             ],
         });
         let skip_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
