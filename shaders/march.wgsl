@@ -1,9 +1,9 @@
-// The one marcher: walks the segments of a ray, asks the sampler for a value at each index and hands it to the mode.
+// The one marcher: walks the segments of a ray, asks the sampler for a value at each index and hands it to the mode, which
+// asks for more (its colour, its gradient) where it needs it.
 #import shared/ray
 #import shared/march_settings
 #import skip/{SKIP}
 #import sample/{SAMPLER}
-#import sample/post
 #import mode/{MODE}
 #import count/{COUNT}
 
@@ -12,6 +12,9 @@
 @group(0) @binding(3) var<storage, read_write> target_rgba: array<vec4f>;
 // Next sample index, where a picture takes more than one dispatch.
 @group(0) @binding(4) var<storage, read_write> progress: array<u32>;
+
+// Progress of a ray whose pixel stands.
+const FINISHED = 0xffffffffu;
 
 @compute @workgroup_size(8, 8)
 fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
@@ -27,15 +30,18 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
     let at = pixel.y * view.size.x + pixel.x;
 
     let ray = ray_through(pixel);
-    var state = mode_init();
+    // Nothing seen yet: all modes start from zeros, and finish them to zeros.
+    var state = vec4f(0.0);
     var k = ray.k_near;
     if settings.resume != 0u {
-        state = mode_load(target_rgba[at]);
         k = progress[at];
+        if k == FINISHED {
+            return;
+        }
+        state = target_rgba[at];
     }
     count_begin(at);
 
-    // Rays that stop early are over for every later dispatch too.
     var k_stop = k;
     var segment = skip_begin(ray, pixel, tile, k);
     var left = settings.max_iterations;
@@ -53,17 +59,20 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
         if finished || left == 0u {
             break;
         }
-        let color = step_color(&segment, post_classify(sample_x(step_at(&segment, ray, k))));
-        count_sample(color, k, ray);
-        state = mode_add(state, color);
+        let contributes = step_sample(&state, &segment, k, ray);
+        count_sample(contributes, k, ray);
         k += step_length(&segment);
         left -= 1u;
         finished = mode_done(state);
     }
 
     if settings.store_progress != 0u {
-        progress[at] = select(k, 0xffffffffu, finished);
+        // Rays that stop early are over for every later dispatch too.
+        progress[at] = select(k, FINISHED, finished);
     }
-    target_rgba[at] = mode_store(state);
+    if settings.store_progress == 0u || finished {
+        state = mode_finish(state, ray);
+    }
+    target_rgba[at] = state;
     count_end(at);
 }

@@ -439,6 +439,8 @@ impl Renderer {
             .ok_or_else(|| Error::setting("volume", "none was set"))?;
         let volume = Arc::clone(volume);
         settings.skip.check_backend(self.info.backend)?;
+        settings.mode.check_backend(self.info.backend)?;
+        settings.mode.check()?;
         let sampler = self.sampler(settings);
         let table = self.table(settings, &volume)?;
         let frame = settings

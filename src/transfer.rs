@@ -190,6 +190,16 @@ impl Domain {
         self.rescale.value_from_stored(x / self.scale + self.origin)
     }
 
+    /// Table coordinate of a data value (not clamped).
+    pub fn x_from_value(&self, value: f64) -> f64 {
+        self.x_from_stored(self.rescale.stored_from_value(value))
+    }
+
+    /// 1 where data values rise with table coordinates, -1 where they fall.
+    pub fn direction(&self) -> f64 {
+        self.rescale.slope.signum()
+    }
+
     /// How near to an entry a table coordinate counts as on it, in shaders and in [`lookup`]: 2^-22 of what the table,
     /// or the voxel type if that is more, spans.
     ///

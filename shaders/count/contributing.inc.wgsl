@@ -13,8 +13,8 @@ fn count_skip() {}
 
 fn count_probe() {}
 
-fn count_sample(color: vec4f, k: u32, ray: Ray) {
-    if any(color != vec4f(0.0)) {
+fn count_sample(contributes: bool, k: u32, ray: Ray) {
+    if contributes {
         noted[first_word + k / 32u] |= 1u << (k % 32u);
     }
 }

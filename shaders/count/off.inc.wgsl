@@ -6,6 +6,6 @@ fn count_skip() {}
 
 fn count_probe() {}
 
-fn count_sample(color: vec4f, k: u32, ray: Ray) {}
+fn count_sample(contributes: bool, k: u32, ray: Ray) {}
 
 fn count_end(at: u32) {}

@@ -23,9 +23,9 @@ fn count_probe() {
     counted.x += 1u;
 }
 
-fn count_sample(color: vec4f, k: u32, ray: Ray) {
+fn count_sample(contributes: bool, k: u32, ray: Ray) {
     counted.x += 1u;
-    if any(color != vec4f(0.0)) {
+    if contributes {
         counted.y += 1u;
         let t = ray.t_box + (f32(k) + 0.5) * view.step;
         counted.w = select(counted.w, bitcast<u32>(t), counted.w == NO_HIT);

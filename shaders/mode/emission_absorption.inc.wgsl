@@ -1,22 +1,17 @@
 // Emission and absorption, front to back, premultiplied (Yu et al. 2016, equations 6 and 7). Twin of
 // mode::emission_absorption::State.
+#import sample/post
 
-fn mode_init() -> vec4f {
-    return vec4f(0.0);
+fn mode_sample(state: ptr<function, vec4f>, x: f32, k: u32, ray: Ray) -> bool {
+    let color = post_classify(x);
+    *state = *state + (1.0 - (*state).a) * color;
+    return any(color != vec4f(0.0));
 }
 
-fn mode_load(stored: vec4f) -> vec4f {
-    return stored;
+fn mode_done(state: vec4f) -> bool {
+    return state.a >= settings.ert;
 }
 
-fn mode_add(sum: vec4f, sample: vec4f) -> vec4f {
-    return sum + (1.0 - sum.a) * sample;
-}
-
-fn mode_done(sum: vec4f) -> bool {
-    return sum.a >= settings.ert;
-}
-
-fn mode_store(sum: vec4f) -> vec4f {
-    return sum;
+fn mode_finish(state: vec4f, ray: Ray) -> vec4f {
+    return state;
 }

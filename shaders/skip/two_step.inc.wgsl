@@ -13,7 +13,9 @@ struct Segment {
 
 fn probe(ray: Ray, k: u32) -> bool {
     count_probe();
-    return any(post_classify(sample_x(lattice(ray, min(k, ray.k_end - 1u)))) != vec4f(0.0));
+    let at = min(k, ray.k_end - 1u);
+    var state = vec4f(0.0);
+    return mode_sample(&state, sample_x(lattice(ray, at)), at, ray);
 }
 
 fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {

@@ -1,11 +1,7 @@
 // One sample stands for one point of the lattice: every lossless method.
 
-fn step_at(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec3f {
-    return lattice(ray, k);
-}
-
-fn step_color(segment: ptr<function, Segment>, color: vec4f) -> vec4f {
-    return color;
+fn step_sample(state: ptr<function, vec4f>, segment: ptr<function, Segment>, k: u32, ray: Ray) -> bool {
+    return mode_sample(state, sample_x(lattice(ray, k)), k, ray);
 }
 
 fn step_length(segment: ptr<function, Segment>) -> u32 {

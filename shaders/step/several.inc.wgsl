@@ -1,17 +1,14 @@
-// One sample stands for its segment's stride of lattice points (a power of two) and lies in their middle. Twin of
-// skip::adaptive.
+// One sample stands for its segment's stride of lattice points and lies in their middle: the mode takes it as often. Twin
+// of skip::adaptive.
 
-fn step_at(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec3f {
-    return ray.entry + (f32(k) + 0.5 * f32((*segment).stride)) * ray.delta;
-}
-
-// Composited with itself as often as the stride doubles: 1 - (1 - a)^stride (adaptive::over_stride).
-fn step_color(segment: ptr<function, Segment>, color: vec4f) -> vec4f {
-    var sum = color;
-    for (var stride = (*segment).stride; stride > 1u; stride /= 2u) {
-        sum *= 2.0 - sum.a;
+fn step_sample(state: ptr<function, vec4f>, segment: ptr<function, Segment>, k: u32, ray: Ray) -> bool {
+    let stride = (*segment).stride;
+    let x = sample_x(ray.entry + (f32(k) + 0.5 * f32(stride)) * ray.delta);
+    var contributes = false;
+    for (var i = 0u; i < stride; i += 1u) {
+        contributes = mode_sample(state, x, k + i, ray) || contributes;
     }
-    return sum;
+    return contributes;
 }
 
 fn step_length(segment: ptr<function, Segment>) -> u32 {

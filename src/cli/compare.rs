@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use hollowcast::Result;
 use hollowcast::measure::compare::{Comparison, Plan, ReferencePlan, Row, compare};
+use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Renderer};
 use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::TransferFunction;
@@ -87,13 +88,13 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<()> {
     let volume = args.volume.load()?;
-    let transfer = args.scene.transfer(&volume)?;
+    let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
     let mut renderers = args
         .backends
         .iter()
         .map(|&choice| ready(choice, &volume, &transfer))
         .collect::<Result<Vec<_>>>()?;
-    let plan = args.plan(&volume, &renderers);
+    let plan = args.plan(&volume, mode, &renderers);
     let comparison = measured(&mut renderers, &volume, &transfer, &plan)?;
     let infos: Vec<BackendInfo> = renderers.iter().map(|r| r.info().clone()).collect();
     for (&choice, info) in args.backends.iter().zip(&infos) {
@@ -187,7 +188,7 @@ pub(super) fn heading(
 }
 
 impl Args {
-    fn plan(&self, volume: &Volume, renderers: &[Renderer]) -> Plan {
+    fn plan(&self, volume: &Volume, mode: Mode, renderers: &[Renderer]) -> Plan {
         let mut methods = self.methods.clone();
         if methods.is_empty() {
             methods = METHODS
@@ -207,9 +208,9 @@ impl Args {
             .iter()
             .map(|s| s.in_box(volume.extent()))
             .collect();
-        let settings = self
-            .scene
-            .settings(Skip::Box, self.blocks[0], steps[0].voxels, views[0]);
+        let settings =
+            self.scene
+                .settings(Skip::Box, mode, self.blocks[0], steps[0].voxels, views[0]);
         Plan {
             methods,
             blocks: self.blocks.clone(),
@@ -246,7 +247,7 @@ impl Args {
             "volume": report::volume_json(volume),
             "transfer_function": self.scene.tf,
             "table_size": self.scene.table_size,
-            "mode": self.scene.mode.name(),
+            "mode": plan.settings.mode.name(),
             "ert": report::decimal(self.scene.ert),
             "steps": plan.steps,
             "runs_per_view": plan.rounds,

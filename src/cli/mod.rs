@@ -4,6 +4,7 @@ mod camera;
 mod compare;
 mod demo;
 mod info;
+mod mode_args;
 mod phantom;
 mod progress;
 mod render;

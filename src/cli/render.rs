@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use hollowcast::camera::Camera;
 use hollowcast::measure::profile::Profile;
 use hollowcast::measure::statistics::quartiles;
+use hollowcast::mode::Mode;
 use hollowcast::output::{self, Curve, Depth, Format, PngEncoding};
 use hollowcast::render::{
     BackendChoice, Choice, DEFAULT_BLOCK, FrameTimes, MethodChoice, Preparation, Rendered,
@@ -27,6 +28,8 @@ Examples:
   hollowcast render scan.nrrd --method box --backend cpu -o scan.npy
   hollowcast render pot_256x256x178_uint8.raw --tf ramp:40:255:0.3 --step 0.002u --pad-cube
   hollowcast render scan.nii.gz --camera 'eye=64,64,10;target=64,64,100;up=0,1,0' --background '#20242c'
+  hollowcast render scan.nrrd --mode phong --iso 90 --light 1,-1,2 --background white
+  hollowcast render scan.nrrd --mode mip --window 40:200 --background black
   hollowcast render scan.mha --repeat 20 --json
   hollowcast render scan.nrrd --profile scan.profile.toml
 
@@ -120,7 +123,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let profile = args.profile.as_deref().map(Profile::read).transpose()?;
     let method = args.method(profile.as_ref())?;
     let volume = args.volume.load()?;
-    let transfer = args.scene.transfer(&volume)?;
+    let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
     let camera = args.scene.camera.camera(&volume, 0.0);
     let step = args.step.in_box(volume.extent());
     let progress = Progress::spinner("drawing");
@@ -129,7 +132,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let mut renderer = Renderer::new(backend)?;
     renderer.set_volume(volume.clone())?;
     renderer.set_transfer(transfer);
-    let settings = args.settings(method, profile.as_ref(), step.voxels, camera);
+    let settings = args.settings(method, profile.as_ref(), mode, step.voxels, camera);
     let settings = match method {
         MethodChoice::Only(_) => settings,
         MethodChoice::Auto => renderer.choose(&settings)?.in_settings(&settings),
@@ -215,6 +218,7 @@ impl Args {
         &self,
         method: MethodChoice,
         profile: Option<&Profile>,
+        mode: Mode,
         step_voxels: f64,
         camera: Camera,
     ) -> Settings {
@@ -227,7 +231,7 @@ impl Args {
         let cuts = profile.map_or(Cuts::default(), |p| p.choice.cuts);
         Settings {
             cuts: self.scene.cuts_or(cuts),
-            ..self.scene.settings(skip, block, step_voxels, camera)
+            ..self.scene.settings(skip, mode, block, step_voxels, camera)
         }
     }
 

@@ -11,6 +11,7 @@ use hollowcast::transfer::{PRESETS, TransferFunction};
 use hollowcast::volume::{Statistics, Volume};
 
 use super::camera::{self, CameraSpec};
+use super::mode_args::ModeArgs;
 use super::values;
 
 /// The sizes of leaf blocks there are.
@@ -27,9 +28,8 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "N", default_value_t = 4096)]
     pub(super) table_size: usize,
 
-    /// What is done with the samples
-    #[arg(long, default_value = "emission-absorption", value_parser = values::named(Mode::ALL, Mode::name))]
-    pub(super) mode: Mode,
+    #[command(flatten)]
+    pub(super) mode: ModeArgs,
 
     /// How one sample is taken [default: hardware on a hardware adapter, else exact]
     #[arg(long, value_parser = values::named(Sampler::ALL, Sampler::name))]
@@ -61,6 +61,7 @@ impl SceneArgs {
     pub(super) fn settings(
         &self,
         skip: Skip,
+        mode: Mode,
         block: usize,
         step_voxels: f64,
         camera: Camera,
@@ -69,7 +70,7 @@ impl SceneArgs {
             skip,
             cuts: self.cuts(),
             sampler: self.sampler,
-            mode: self.mode,
+            mode,
             block,
             step_voxels,
             ert: self.ert,
@@ -92,9 +93,11 @@ impl SceneArgs {
         }
     }
 
-    /// The transfer function for this volume.
-    pub(super) fn transfer(&self, volume: &Volume) -> Result<TransferFunction> {
-        TransferFunction::from_spec(&self.tf, &Statistics::of(volume))
+    /// The transfer function and the mode for this volume.
+    pub(super) fn transfer_and_mode(&self, volume: &Volume) -> Result<(TransferFunction, Mode)> {
+        let statistics = Statistics::of(volume);
+        let transfer = TransferFunction::from_spec(&self.tf, &statistics)?;
+        Ok((transfer, self.mode.mode(&statistics)?))
     }
 }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use hollowcast::measure::compare::NamedStep;
 use hollowcast::measure::profile::Profile;
 use hollowcast::measure::tune::{Auto, Plan, Row, Tuning, tune};
+use hollowcast::mode::Mode;
 use hollowcast::output::chart::{self, Chart, Line, Panel};
 use hollowcast::output::write_atomically;
 use hollowcast::render::{BLOCKS, BackendChoice, BackendInfo};
@@ -101,14 +102,14 @@ pub(super) fn run(args: &Args) -> Result<()> {
         return Err(Error::setting("cut, cuts", reason));
     }
     let volume = args.volume.load()?;
-    let transfer = args.scene.transfer(&volume)?;
+    let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
     let mut renderers = args
         .backends
         .iter()
         .map(|&choice| ready(choice, &volume, &transfer))
         .collect::<Result<Vec<_>>>()?;
     let step = args.step.in_box(volume.extent());
-    let plan = args.plan(&volume, &step);
+    let plan = args.plan(&volume, mode, &step);
     let progress = Progress::bar(if args.sweep.is_some() {
         "sweeping"
     } else {
@@ -173,7 +174,7 @@ impl Args {
         self.output.clone().unwrap_or_else(beside)
     }
 
-    fn plan(&self, volume: &Volume, step: &NamedStep) -> Plan {
+    fn plan(&self, volume: &Volume, mode: Mode, step: &NamedStep) -> Plan {
         let blocks: &[usize] = match (&self.blocks[..], &self.sweep) {
             ([], Some(_)) => &scene_args::BLOCKS,
             ([], None) => &BLOCKS,
@@ -185,7 +186,7 @@ impl Args {
             cuts: self.sweep.is_none(),
             settings: self
                 .scene
-                .settings(Skip::Box, blocks[0], step.voxels, views[0]),
+                .settings(Skip::Box, mode, blocks[0], step.voxels, views[0]),
             views,
             rounds: self.repeat as usize,
         }

@@ -23,8 +23,8 @@ Examples:
 Draws the volume from outside, from inside a cavity and from inside a wall; perspective and orthographic; blocks 4, 8, 16
 and 32; the paper's three steps; early termination at 0.98 and off; and counts the pixels in which a method differs from box
 in any bit. With --full, all of it with one sampler (the adapter's filter where there is one, or --sampler); without, a
-selection in which every pair of settings occurs, samplers included. Exit code 1 where a pixel differs. --mode, --camera and
---ert are part of what is tried, and not read.";
+selection in which every pair of settings occurs, samplers included. Exit code 1 where a pixel differs. --camera and --ert
+are part of what is tried, and not read.";
 
 /// Compares every lossless method with box, bit by bit, over views and settings.
 #[derive(Debug, clap::Args)]
@@ -63,7 +63,7 @@ struct Tally {
 
 pub(super) fn run(args: &Args) -> Result<()> {
     let volume = args.volume.load()?;
-    let transfer = args.scene.transfer(&volume)?;
+    let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
     let mut renderer = Renderer::new(args.backend)?;
     renderer.set_volume(volume.clone())?;
     renderer.set_transfer(transfer.clone());
@@ -88,7 +88,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
         &transfer,
         args.scene.cuts(),
         args.scene.size,
-    );
+    )
+    .with_mode(mode);
     if !args.methods.is_empty() {
         verifier = verifier.with_methods(args.methods.clone());
     }

@@ -265,6 +265,7 @@ fn draw<O: Pixel>(
     cancel: &AtomicBool,
     pixels: &mut [O],
 ) -> Result<()> {
+    scene.mode.check_backend("cpu")?;
     if scene.sampler != Sampler::Exact {
         return Err(Error::setting(
             "sampler",

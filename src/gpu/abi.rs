@@ -55,6 +55,30 @@ pub struct MarchSettings {
     pub ray_words: u32,
 }
 
+/// `ModeSettings` in `shaders/shared/mode_settings.inc.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub struct ModeSettings {
+    pub light: [f32; 3],
+    pub light_is_eye: u32,
+    pub color: [f32; 3],
+    pub ambient: f32,
+    pub outer_color: [f32; 4],
+    pub diffuse: f32,
+    pub specular: f32,
+    pub shininess: f32,
+    pub opacity_ratio: f32,
+    pub window_low: f32,
+    pub window_scale: f32,
+    pub window_dead: f32,
+    pub direction: f32,
+    pub iso: f32,
+    pub outer_iso: f32,
+    pub least_gradient: f32,
+    pub pad1: f32,
+}
+
 /// `Tile` in `shaders/shared/march_settings.inc.wgsl`.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
@@ -77,7 +101,7 @@ mod tests {
         let choices = [
             ("SKIP", "bounds"),
             ("SAMPLER", "exact"),
-            ("MODE", "emission_absorption"),
+            ("MODE", "phong"),
             ("COUNT", "off"),
         ];
         let module = naga::front::wgsl::parse_str(&compose("march", &choices).unwrap()).unwrap();
@@ -114,6 +138,8 @@ mod tests {
         mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
             tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, takes_runs,
             block_dims, ray_words);
+        mirrors!(ModeSettings: light, light_is_eye, color, ambient, outer_color, diffuse, specular, shininess,
+            opacity_ratio, window_low, window_scale, window_dead, direction, iso, outer_iso, least_gradient, pad1);
         mirrors!(Tile: at, first_run, run_count, axis);
     }
 }

@@ -209,6 +209,7 @@ pub struct Verifier<'a> {
     transfer: &'a TransferFunction,
     /// What is compared with box.
     methods: Vec<Skip>,
+    mode: Mode,
     cuts: Cuts,
     size: [u32; 2],
     /// The last case's picture by box, which does not depend on the block.
@@ -234,6 +235,7 @@ impl<'a> Verifier<'a> {
             volume,
             transfer,
             methods,
+            mode: Mode::EmissionAbsorption,
             cuts,
             size,
             by_box: None,
@@ -246,6 +248,12 @@ impl<'a> Verifier<'a> {
         Self { methods, ..self }
     }
 
+    /// Draws in this mode instead of emission and absorption.
+    #[must_use]
+    pub fn with_mode(self, mode: Mode) -> Self {
+        Self { mode, ..self }
+    }
+
     /// Draws a case with every method, and compares with box.
     ///
     /// # Errors
@@ -254,7 +262,7 @@ impl<'a> Verifier<'a> {
         let mut settings = Settings {
             skip: Skip::Box,
             sampler: Some(case.sampler),
-            mode: Mode::EmissionAbsorption,
+            mode: self.mode,
             block: case.block,
             step_voxels: case.step_edges * self.volume.extent().max_element(),
             ert: case.ert,

@@ -1,45 +1,436 @@
 //! WHAT is done with the samples of a ray.
 //!
-//! Each mode has a WGSL twin of the same name in `shaders/mode/`: `init`, `add` (one sample), `done` (may the ray stop?)
-//! and `finish` (the pixel).
+//! Each mode has a WGSL twin of the same name in `shaders/mode/`, which asks for what it needs of a sample: `mode_sample`
+//! takes one (its value, or its classified colour, or the gradient around it) into a state of four numbers, `mode_done`
+//! tells whether the ray may stop, `mode_finish` makes the pixel. A state of zeros is a ray that has seen nothing, and
+//! its pixel is all zero: so a ray that no method launches has the pixel of one whose samples all contributed nothing.
+//!
+//! A mode carries its own parameters, in data values; [`Parameters`] are the same in table coordinates.
 
+pub mod activity;
 pub mod emission_absorption;
+pub mod parameters;
+pub mod surface;
 
 use std::ops::RangeInclusive;
 
-use crate::transfer::Table;
+use crate::error::{Error, Result};
+use crate::transfer::{Domain, Table, threshold};
+use crate::volume::Statistics;
 
-/// The choice of mode.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub use activity::Activity;
+pub use parameters::Parameters;
+pub use surface::{Light, Lighting};
+
+/// The choice of mode, with its parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Mode {
     /// Emission and absorption by a transfer function, front to back.
     EmissionAbsorption,
+    /// Emission and absorption lit by the gradient at each sample.
+    Shaded(Lighting),
+    /// Emission and absorption without a table: the place in the window is grey value and opacity per voxel (of the
+    /// smallest spacing) alike.
+    Grey(Window),
+    /// White whose opacity is the highest place in the window along the ray.
+    Mip(Window),
+    /// Black whose opacity is the deepest distance below the window's upper end: on white, the lowest place in it.
+    Minip(Window),
+    /// White whose opacity is the mean place in the window over all samples inside the box.
+    Mean(Window),
+    /// The normal of the first surface as colour.
+    Normals {
+        /// The data value from which on matter is solid.
+        iso: f64,
+    },
+    /// The first surface, lit.
+    Phong {
+        /// The data value from which on matter is solid.
+        iso: f64,
+        /// Linear colour of the surface.
+        color: [f64; 3],
+        /// How it is lit.
+        lighting: Lighting,
+    },
+    /// A translucent surface before a lit one.
+    TwoSurfaces {
+        /// The outer surface: the same colour everywhere.
+        outer: Outer,
+        /// The data value from which on the inner surface is solid; above the outer one's.
+        iso: f64,
+        /// Linear colour of the inner surface.
+        color: [f64; 3],
+        /// How the inner surface is lit.
+        lighting: Lighting,
+    },
 }
 
-impl Mode {
-    /// All modes.
-    pub const ALL: &[Self] = &[Self::EmissionAbsorption];
+/// Data values between which brightness goes from 0 to 1. Samples below count as 0, those above as 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Window {
+    /// Data value of 0.
+    pub low: f64,
+    /// Data value of 1.
+    pub high: f64,
+}
 
-    /// The name used by flags, files and shaders.
-    pub fn name(self) -> &'static str {
-        match self {
+/// The outer surface of [`Mode::TwoSurfaces`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outer {
+    /// The data value that it lies at.
+    pub iso: f64,
+    /// Linear, not premultiplied.
+    pub color: [f64; 3],
+    /// Above 0, at most 1.
+    pub opacity: f64,
+}
+
+/// A mode's row in the table that every part of the program reads.
+#[derive(Debug)]
+pub struct ModeRow {
+    /// The name used by flags, files and reports.
+    pub name: &'static str,
+    /// The file in `shaders/mode/` that draws it.
+    pub shader: &'static str,
+    /// The backends that have it.
+    pub backends: &'static [&'static str],
+    /// One line for help texts.
+    pub summary: &'static str,
+    /// The mode with parameters that suit data of these statistics.
+    pub suited_to: fn(&Statistics) -> Mode,
+}
+
+/// All modes, the default first.
+pub const MODES: &[ModeRow] = &[
+    ModeRow {
+        name: "emission-absorption",
+        shader: "emission_absorption",
+        backends: &["gpu", "cpu", "reference"],
+        summary: "colour and opacity by the transfer function, front to back",
+        suited_to: |_| Mode::EmissionAbsorption,
+    },
+    ModeRow {
+        name: "shaded",
+        shader: "shaded",
+        backends: &["gpu", "reference"],
+        summary: "the same, lit by the gradient at each sample",
+        suited_to: |_| Mode::Shaded(Lighting::default()),
+    },
+    ModeRow {
+        name: "grey",
+        shader: "grey",
+        backends: &["gpu", "reference"],
+        summary: "the value itself is brightness and opacity per voxel",
+        suited_to: |s| Mode::Grey(Window::above_background(s)),
+    },
+    ModeRow {
+        name: "mip",
+        shader: "mip",
+        backends: &["gpu", "reference"],
+        summary: "the highest value of each ray, as the opacity of white",
+        suited_to: |s| Mode::Mip(Window::above_background(s)),
+    },
+    ModeRow {
+        name: "minip",
+        shader: "minip",
+        backends: &["gpu", "reference"],
+        summary: "the lowest value of each ray, as the opacity of black: look at it on white",
+        suited_to: |s| Mode::Minip(Window::above_background(s)),
+    },
+    ModeRow {
+        name: "mean",
+        shader: "mean",
+        backends: &["gpu", "reference"],
+        summary: "the mean of each ray inside the box, as the opacity of white",
+        suited_to: |s| Mode::Mean(Window::above_background(s)),
+    },
+    ModeRow {
+        name: "normals",
+        shader: "normals",
+        backends: &["gpu", "reference"],
+        summary: "the first surface, its normal as colour",
+        suited_to: |s| Mode::Normals {
+            iso: iso_above_background(s),
+        },
+    },
+    ModeRow {
+        name: "phong",
+        shader: "phong",
+        backends: &["gpu", "reference"],
+        summary: "the first surface, lit",
+        suited_to: |s| Mode::Phong {
+            iso: iso_above_background(s),
+            color: WARM,
+            lighting: Lighting::default(),
+        },
+    },
+    ModeRow {
+        name: "two-surfaces",
+        shader: "two_surfaces",
+        backends: &["gpu", "reference"],
+        summary: "a translucent surface before a lit one",
+        suited_to: |s| {
+            let iso = iso_above_background(s);
+            Mode::TwoSurfaces {
+                outer: Outer {
+                    iso,
+                    color: WARM,
+                    opacity: 0.3,
+                },
+                iso: (iso + s.value_range()[1].max(iso + 1.0)) * 0.5,
+                color: IVORY,
+                lighting: Lighting::default(),
+            }
+        },
+    },
+];
+
+/// Surfaces, where no colour was asked for.
+const WARM: [f64; 3] = [0.9, 0.6, 0.4];
+/// What is seen through them.
+const IVORY: [f64; 3] = [1.0, 0.95, 0.85];
+
+impl Mode {
+    /// This mode's row.
+    ///
+    /// # Panics
+    /// Never: every mode has a row.
+    pub fn row(&self) -> &'static ModeRow {
+        let name = match self {
             Self::EmissionAbsorption => "emission-absorption",
-        }
+            Self::Shaded(_) => "shaded",
+            Self::Grey(_) => "grey",
+            Self::Mip(_) => "mip",
+            Self::Minip(_) => "minip",
+            Self::Mean(_) => "mean",
+            Self::Normals { .. } => "normals",
+            Self::Phong { .. } => "phong",
+            Self::TwoSurfaces { .. } => "two-surfaces",
+        };
+        MODES
+            .iter()
+            .find(|row| row.name == name)
+            .expect("every mode has a row")
     }
 
-    /// The name of its WGSL twin.
-    pub fn shader(self) -> &'static str {
-        match self {
-            Self::EmissionAbsorption => "emission_absorption",
-        }
+    /// The name used by flags, files and reports.
+    pub fn name(&self) -> &'static str {
+        self.row().name
     }
 
     /// Whether a block whose samples have table coordinates in `range` can contribute to any picture in this mode.
     ///
     /// `false` must mean that every sample of the block contributes exactly nothing.
-    pub fn is_active(self, table: &Table, range: RangeInclusive<f64>) -> bool {
-        match self {
-            Self::EmissionAbsorption => table.is_visible(range),
+    pub fn is_active(&self, table: &Table, range: RangeInclusive<f64>) -> bool {
+        self.activity(table.domain()).is_active(table, range)
+    }
+
+    /// What makes a block contribute, over values in `domain`.
+    pub fn activity(&self, domain: &Domain) -> Activity {
+        Activity::of(self, domain)
+    }
+
+    /// Checks that a backend has this mode.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] that names the modes that it has.
+    pub fn check_backend(&self, backend: &str) -> Result<()> {
+        let has = |row: &&ModeRow| row.backends.contains(&backend);
+        if has(&self.row()) {
+            return Ok(());
         }
+        let those: Vec<&str> = MODES.iter().filter(has).map(|row| row.name).collect();
+        Err(Error::setting(
+            "mode",
+            format!(
+                "the {backend} backend does not have {}; it has {}; {} have it",
+                self.name(),
+                those.join(", "),
+                self.row().backends.join(", ")
+            ),
+        ))
+    }
+
+    /// Checks the parameters.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] that names the one that is out of range.
+    pub fn check(&self) -> Result<()> {
+        match self {
+            Self::EmissionAbsorption => Ok(()),
+            Self::Shaded(lighting) => lighting.check(),
+            Self::Grey(window) | Self::Mip(window) | Self::Minip(window) | Self::Mean(window) => {
+                window.check()
+            }
+            Self::Normals { iso } => check_finite("iso", *iso),
+            Self::Phong {
+                iso,
+                color,
+                lighting,
+            } => {
+                check_finite("iso", *iso)?;
+                check_color("surface color", color)?;
+                lighting.check()
+            }
+            Self::TwoSurfaces {
+                outer,
+                iso,
+                color,
+                lighting,
+            } => {
+                check_finite("iso", outer.iso)?;
+                check_finite("iso2", *iso)?;
+                if *iso <= outer.iso {
+                    return Err(Error::setting(
+                        "iso2",
+                        format!(
+                            "{iso} must lie above iso, {}: the inner surface lies in the outer one",
+                            outer.iso
+                        ),
+                    ));
+                }
+                if !(outer.opacity > 0.0 && outer.opacity <= 1.0) {
+                    return Err(Error::setting(
+                        "outer opacity",
+                        "must lie above 0 and not above 1",
+                    ));
+                }
+                check_color("outer color", &outer.color)?;
+                check_color("surface color", color)?;
+                lighting.check()
+            }
+        }
+    }
+
+    /// What a user should know who draws data of these statistics: that no surface is there, for one.
+    pub fn warning(&self, statistics: &Statistics) -> Option<String> {
+        let [low, high] = statistics.value_range();
+        let about = |name: &str, iso: f64| {
+            if iso > high {
+                Some(format!(
+                    "{name} {iso} lies above all data ({low} to {high}): nothing is hit"
+                ))
+            } else if iso <= low {
+                Some(format!(
+                    "{name} {iso} lies below all data ({low} to {high}): the whole box is solid"
+                ))
+            } else {
+                None
+            }
+        };
+        match self {
+            Self::Normals { iso } | Self::Phong { iso, .. } => about("iso", *iso),
+            Self::TwoSurfaces { outer, iso, .. } => {
+                about("iso", outer.iso).or_else(|| about("iso2", *iso))
+            }
+            _ => None,
+        }
+    }
+}
+
+impl Window {
+    /// From where the background ends to the highest value.
+    pub fn above_background(statistics: &Statistics) -> Self {
+        let low = threshold(statistics);
+        let [_, high] = statistics.value_range();
+        // Of data that are nothing but background, nothing is above it.
+        let high = if high > low { high } else { low + 1.0 };
+        Self { low, high }
+    }
+
+    fn check(self) -> Result<()> {
+        let Self { low, high } = self;
+        check_finite("window", low)?;
+        check_finite("window", high)?;
+        if low < high {
+            Ok(())
+        } else {
+            Err(Error::setting(
+                "window",
+                format!("{low}:{high} is empty; its lower end must lie below its upper one"),
+            ))
+        }
+    }
+}
+
+/// Half a bin above the highest value that counts as background, so that this one is not solid.
+fn iso_above_background(statistics: &Statistics) -> f64 {
+    threshold(statistics) + 0.5 * statistics.width * statistics.rescale.slope.abs()
+}
+
+fn check_finite(field: &str, number: f64) -> Result<()> {
+    if number.is_finite() {
+        Ok(())
+    } else {
+        Err(Error::setting(field, "must be a finite number"))
+    }
+}
+
+fn check_color(field: &str, color: &[f64; 3]) -> Result<()> {
+    if color.iter().all(|c| (0.0..=1.0).contains(c)) {
+        Ok(())
+    } else {
+        Err(Error::setting(
+            field,
+            "red, green and blue must lie between 0 and 1",
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::volume::phantom;
+
+    #[test]
+    fn every_row_makes_its_own_mode_with_parameters_in_range() {
+        for name in ["pot", "noise", "empty", "full", "ramp"] {
+            let statistics = Statistics::of(&phantom::make(name, [12; 3]).unwrap());
+            for row in MODES {
+                let mode = (row.suited_to)(&statistics);
+                assert_eq!(mode.name(), row.name);
+                mode.check().unwrap();
+            }
+        }
+    }
+
+    #[test]
+    fn what_suits_a_volume_hides_its_background() {
+        let statistics = Statistics::of(&phantom::make("pot", [24; 3]).unwrap());
+        let window = Window::above_background(&statistics);
+        assert!(window.low >= 0.0 && window.low < 100.0 && window.high >= 200.0);
+        let empty = Statistics::of(&phantom::make("empty", [4; 3]).unwrap());
+        assert!(iso_above_background(&empty) > 0.0);
+    }
+
+    #[test]
+    fn parameters_out_of_range_are_named() {
+        let named = |mode: Mode, field: &str| {
+            let error = mode.check().unwrap_err().to_string();
+            assert!(error.starts_with(field), "{error}");
+        };
+        let window = |low, high| Window { low, high };
+        named(Mode::Mip(window(3.0, 3.0)), "window");
+        named(Mode::Mean(window(4.0, 3.0)), "window");
+        named(Mode::Grey(window(f64::NAN, 3.0)), "window");
+        named(Mode::Normals { iso: f64::INFINITY }, "iso");
+        let lighting = Lighting::default();
+        let dark = Lighting {
+            light: Light::From([0.0; 3]),
+            ..lighting
+        };
+        named(Mode::Shaded(dark), "light");
+        let two = |outer_iso, iso, opacity| Mode::TwoSurfaces {
+            outer: Outer {
+                iso: outer_iso,
+                color: WARM,
+                opacity,
+            },
+            iso,
+            color: IVORY,
+            lighting,
+        };
+        named(two(5.0, 5.0, 0.5), "iso2");
+        named(two(5.0, 6.0, 0.0), "outer opacity");
     }
 }

@@ -96,8 +96,9 @@ impl Accelerator {
         mode: Mode,
     ) -> Occupancy {
         let mut occupancy = Occupancy::new(self.grid.volume_dims, self.grid.block);
+        let activity = mode.activity(table.domain());
         let is_active = |range| {
-            mode.is_active(
+            activity.is_active(
                 table,
                 stored_range_to_x(range, self.voxel_type, table.domain()),
             )

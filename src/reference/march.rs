@@ -1,27 +1,28 @@
 //! One pixel: the flat loop over the segments of a ray that every backend has.
 
 use super::Classes;
-use crate::lattice::{Ray, RayBasis};
-use crate::mode::{Mode, emission_absorption};
+use crate::lattice::RayBasis;
+use crate::mode::{Mode, Parameters};
 use crate::sample::{Sampler, cell, trilinear};
 use crate::scene::{Counters, Scene};
 use crate::skip::Plan;
-use crate::skip::adaptive::over_stride;
 
 /// All that the pixels of one picture share.
 pub(super) struct Marcher<'a, V, C> {
     plan: &'a Plan<'a>,
     voxels: &'a [V],
     dims: [usize; 3],
-    classes: &'a C,
+    pub(super) classes: &'a C,
     /// Table coordinate per stored unit, and the stored number at coordinate 0.
     scale: f64,
     origin: f64,
     basis: RayBasis<f64>,
     step: f64,
+    pub(super) grid_from_local: [f64; 3],
     sampler: Sampler,
-    mode: Mode,
-    ert_threshold: f64,
+    pub(super) mode: Mode,
+    pub(super) parameters: Parameters,
+    pub(super) ert_threshold: f64,
 }
 
 /// What a ray found.
@@ -44,8 +45,10 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
             origin: classes.domain().origin,
             basis: scene.frame.basis(),
             step: scene.frame.step,
+            grid_from_local: scene.frame.grid_from_local.to_array(),
             sampler: scene.sampler,
             mode: scene.mode,
+            parameters: Parameters::new(&scene.mode, classes.domain(), scene.frame.step),
             ert_threshold: scene.ert_threshold(),
         }
     }
@@ -53,35 +56,34 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
     /// The pixel in column `x` of row `y`.
     pub(super) fn pixel(&self, x: usize, y: usize) -> Pixel {
         let ray = self.basis.ray(x as f64, y as f64);
-        match self.mode {
-            Mode::EmissionAbsorption => self.emission_absorption(&ray, [x as u32, y as u32]),
-        }
-    }
-
-    fn emission_absorption(&self, ray: &Ray<f64>, pixel: [u32; 2]) -> Pixel {
-        let mut state = emission_absorption::State::<f64>::init();
-        let rgba_at = |k: f64| self.classes.rgba(self.sample(ray.at(k)));
-        let shows = |k: u32| rgba_at(f64::from(k)) != [0.0; 4];
-        let mut segments = self.plan.segments(ray, pixel, &shows);
+        let mut state = [0.0; 4];
+        let shows = |k: u32| {
+            let k = f64::from(k);
+            self.add(&mut [0.0; 4], self.sample(ray.at(k)), k, &ray)
+        };
+        let mut segments = self.plan.segments(&ray, [x as u32, y as u32], &shows);
         let mut counters = Counters::default();
         let mut first_hit = f64::INFINITY;
         let mut k = 0;
         'ray: while let Some(segment) = segments.next(k, f64::NAN) {
             k = segment.end;
             let stride = segments.stride();
-            for k in segment.step_by(stride as usize) {
+            for first in segment.step_by(stride as usize) {
                 counters.samples += 1;
-                let middle = f64::from(k) + 0.5 * f64::from(stride - 1);
-                let rgba = over_stride(rgba_at(middle), stride);
-                if rgba == [0.0; 4] {
+                let k = f64::from(first);
+                let value = self.sample(ray.at(k + 0.5 * f64::from(stride - 1)));
+                let mut contributes = false;
+                for i in 0..stride {
+                    contributes |= self.add(&mut state, value, k + f64::from(i), &ray);
+                }
+                if !contributes {
                     continue;
                 }
                 if counters.contributing == 0 {
-                    first_hit = ray.t_box + (f64::from(k) + 0.5) * self.step;
+                    first_hit = ray.t_box + (k + 0.5) * self.step;
                 }
                 counters.contributing += 1;
-                state.add(rgba);
-                if state.done(self.ert_threshold) {
+                if self.is_done(&state) {
                     break 'ray;
                 }
             }
@@ -89,7 +91,7 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
         counters.samples += u64::from(segments.probes());
         counters.skip_steps = u64::from(segments.steps());
         Pixel {
-            rgba: state.rgba,
+            rgba: self.finish(state, &ray),
             counters,
             first_hit,
         }
@@ -97,7 +99,7 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
 
     /// Table coordinate at a grid position; beyond the outermost voxel centres these go on.
     #[inline]
-    fn sample(&self, at: [f64; 3]) -> f64 {
+    pub(super) fn sample(&self, at: [f64; 3]) -> f64 {
         match self.sampler {
             Sampler::Hardware | Sampler::Exact => {
                 // Written out: nested maps over arrays do not inline, and this is where the time goes.

@@ -8,6 +8,7 @@
 
 mod classes;
 mod march;
+mod modes;
 #[cfg(test)]
 mod tests;
 

@@ -13,6 +13,7 @@ use super::{Preparation, Settings, ms_since};
 use crate::camera::{Camera, Projection};
 use crate::cpu::CpuPlan;
 use crate::error::{Error, Result};
+use crate::mode::Activity;
 use crate::octree::{Accelerator, Hull, LeafGrid, Occupancy};
 use crate::scene::Scene;
 use crate::skip::adaptive::{Gradients, Strides};
@@ -61,7 +62,7 @@ struct Kept {
 /// What is active under one table and mode.
 struct Culled {
     id: u64,
-    mode: crate::mode::Mode,
+    activity: Activity,
     table: Arc<Table>,
     occupancy: Occupancy,
     /// By the blocks that they are of, as they were asked for first: a hull's place is its name.
@@ -302,10 +303,11 @@ impl Structures {
                 })
             }
         };
+        let activity = settings.mode.activity(table.domain());
         let is_current = kept
             .culled
             .as_ref()
-            .is_some_and(|c| c.mode == settings.mode && c.table.shows_the_same_as(table));
+            .is_some_and(|c| activity.is_that_of(table, c.activity, &c.table));
         if !is_current {
             self.next_id += 1;
             kept.culled = Some(Culled::new(
@@ -397,7 +399,7 @@ impl Culled {
         let boxes = boxes(&occupancy, scene);
         Self {
             id,
-            mode: settings.mode,
+            activity: settings.mode.activity(table.domain()),
             table: Arc::clone(table),
             occupancy,
             hulls: Vec::new(),

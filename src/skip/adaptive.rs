@@ -182,16 +182,6 @@ impl Slopes {
     }
 }
 
-/// Colour and opacity of `stride` samples (a power of two) that look like this one: `1 - (1 - a)^stride`. As a table baked
-/// for the longer step has it, without the table.
-pub fn over_stride(mut rgba: [f64; 4], stride: u32) -> [f64; 4] {
-    for _ in 0..stride.ilog2() {
-        let factor = 2.0 - rgba[3];
-        rgba = rgba.map(|c| c * factor);
-    }
-    rgba
-}
-
 struct Strided<'a> {
     strides: &'a Strides,
     ray: Ray<f64>,
@@ -228,24 +218,5 @@ impl Segments for Strided<'_> {
 
     fn steps(&self) -> u32 {
         self.steps
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::transfer::opacity_per_step;
-
-    #[test]
-    fn opacity_is_that_of_as_many_samples() {
-        for opacity in [0.0, 1e-6, 0.01, 0.3, 1.0] {
-            for stride in [1u32, 2, 4, 8] {
-                let one = opacity_per_step(opacity, 1.0);
-                let rgba = over_stride([one * 0.5, 0.0, one, one], stride);
-                let expected = opacity_per_step(opacity, f64::from(stride));
-                assert!((rgba[3] - expected).abs() <= 1e-12 * expected);
-                assert!((rgba[0] - expected * 0.5).abs() <= 1e-12 * expected);
-            }
-        }
     }
 }

@@ -6,7 +6,6 @@ use std::collections::HashMap;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::shader::compose;
-use crate::mode::Mode;
 use crate::sample::Sampler;
 
 /// What a compiled marcher is for.
@@ -15,7 +14,8 @@ pub(super) struct March {
     /// The file in `shaders/skip/`.
     pub(super) skip: &'static str,
     pub(super) sampler: Sampler,
-    pub(super) mode: Mode,
+    /// The file in `shaders/mode/`.
+    pub(super) mode: &'static str,
     pub(super) count: Count,
 }
 
@@ -44,7 +44,7 @@ impl Count {
 /// Bind group layouts and the pipelines compiled so far.
 #[derive(Debug)]
 pub(super) struct MarchPass {
-    /// View, settings, tiles, target, progress, volume, filter, table.
+    /// View, settings, tiles, target, progress, volume, filter, table, mode.
     pub(super) scene_layout: wgpu::BindGroupLayout,
     /// Bounds, what a pass notes (work counters, or what the next one reads), runs, blocks or what the last pass noted.
     pub(super) skip_layout: wgpu::BindGroupLayout,
@@ -116,6 +116,7 @@ impl MarchPass {
                         }),
                     ),
                     entry(7, storage(true)),
+                    entry(8, uniform(false)),
                 ],
             });
         let skip_layout = gpu
@@ -160,7 +161,7 @@ impl MarchPass {
             let choices = [
                 ("SKIP", march.skip),
                 ("SAMPLER", march.sampler.name()),
-                ("MODE", march.mode.shader()),
+                ("MODE", march.mode),
                 ("COUNT", march.count.shader()),
             ];
             let pipeline = self.compile(gpu, "march", &choices)?;

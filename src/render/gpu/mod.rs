@@ -21,7 +21,7 @@ use self::march::{Count, March, MarchPass, SETTINGS_STRIDE, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
 use self::tiles::{TileMask, tile_runs};
-use self::uniforms::{settings_of, view_of, viewer_of};
+use self::uniforms::{mode_of, settings_of, view_of, viewer_of};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::gpu::abi::MarchSettings;
@@ -97,6 +97,7 @@ pub(super) struct GpuBackend {
     progress: GrowBuffer,
     work: GrowBuffer,
     table: GrowBuffer,
+    mode: GrowBuffer,
     timer: SpanTimer,
     present: Option<PresentPass>,
     progress_of_job: Arc<Progress>,
@@ -151,6 +152,7 @@ impl GpuBackend {
             progress: GrowBuffer::new("progress", Usage::STORAGE),
             work: GrowBuffer::new("work", storage),
             table: GrowBuffer::new("table", Usage::STORAGE),
+            mode: GrowBuffer::new("mode", Usage::UNIFORM),
             timer: SpanTimer::new(&gpu, 2),
             view_layout,
             gpu,
@@ -423,6 +425,7 @@ impl GpuBackend {
         let ray_bytes = pixels * 4 * u64::from(ray_words(job));
         let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
         let table = self.table.write(gpu, job.scene.table.rgba());
+        let mode = self.mode.write(gpu, &[mode_of(job)]);
 
         let segments = job.parts.len();
         if self
@@ -439,7 +442,7 @@ impl GpuBackend {
         let march = March {
             skip: if is_first { Skip::Box } else { job.skip }.method().shader,
             sampler: job.scene.sampler,
-            mode: job.scene.mode,
+            mode: job.scene.mode.row().shader,
             count,
         };
         let mut encoder = gpu
@@ -512,6 +515,7 @@ impl GpuBackend {
                 bind(5, wgpu::BindingResource::TextureView(&volume.view)),
                 bind(6, wgpu::BindingResource::Sampler(&filter)),
                 bind(7, table.as_entire_binding()),
+                bind(8, mode.as_entire_binding()),
             ],
         });
         let skip_group = |notes: &wgpu::Buffer, reads: &wgpu::Buffer| {

@@ -1,4 +1,4 @@
-//! What the shaders are told of a picture: views and march settings.
+//! What the shaders are told of a picture: views, march and mode settings.
 
 use glam::DVec3;
 
@@ -7,8 +7,9 @@ use super::dispatch::{Dispatch, MAX_ITERATIONS, TILES_PER_ROW};
 use super::faces::Viewer;
 use super::{Job, Piece};
 use crate::camera::Projection;
-use crate::gpu::abi::{MarchSettings, View};
+use crate::gpu::abi::{MarchSettings, ModeSettings, View};
 use crate::gpu::texture::VolumeTexture;
+use crate::mode::{Light, Parameters, surface};
 
 pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch) -> MarchSettings {
     let domain = job.scene.table.domain();
@@ -43,6 +44,35 @@ pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch
         takes_runs: u32::from(job.masks.is_some()),
         block_dims: job.block_dims(),
         ray_words: ray_words(job),
+    }
+}
+
+pub(super) fn mode_of(job: &Job) -> ModeSettings {
+    let scene = &job.scene;
+    let p = Parameters::new(&scene.mode, scene.table.domain(), scene.frame.step);
+    let lighting = p.lighting;
+    let light = match lighting.light {
+        Light::Headlight => [0.0; 3],
+        Light::From(direction) => surface::unit(direction),
+    };
+    ModeSettings {
+        light: light.map(|c| c as f32),
+        light_is_eye: u32::from(lighting.light == Light::Headlight),
+        color: p.color.map(|c| c as f32),
+        ambient: lighting.ambient as f32,
+        outer_color: p.outer_color.map(|c| c as f32),
+        diffuse: lighting.diffuse as f32,
+        specular: lighting.specular as f32,
+        shininess: lighting.shininess as f32,
+        opacity_ratio: p.opacity_ratio as f32,
+        window_low: p.window_low as f32,
+        window_scale: p.window_scale as f32,
+        window_dead: p.window_dead as f32,
+        direction: p.direction as f32,
+        iso: p.iso as f32,
+        outer_iso: p.outer_iso as f32,
+        least_gradient: p.least_gradient as f32,
+        pad1: 0.0,
     }
 }
 

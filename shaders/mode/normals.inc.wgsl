@@ -1,0 +1,18 @@
+// The first surface, its normal (local axes, -1 to 1) as colour (0 to 1).
+#import shared/surface
+
+fn mode_sample(state: ptr<function, vec4f>, x: f32, k: u32, ray: Ray) -> bool {
+    if !is_inside(x, mode.iso) {
+        return false;
+    }
+    *state = vec4f(0.5 + 0.5 * normal_at(crossing(ray, k, mode.iso), to_eye(ray)), 1.0);
+    return true;
+}
+
+fn mode_done(state: vec4f) -> bool {
+    return state.a >= 1.0;
+}
+
+fn mode_finish(state: vec4f, ray: Ray) -> vec4f {
+    return state;
+}

@@ -1,0 +1,68 @@
+// Surfaces: where a ray crosses them, how they lie there, and how they are lit. Twin of mode::surface.
+#import shared/mode_settings
+
+// Halvings of the step in which a surface is crossed (surface::HALVINGS).
+const HALVINGS = 10u;
+
+fn is_inside(x: f32, iso: f32) -> bool {
+    return (x - iso) * mode.direction >= 0.0;
+}
+
+// Where the interpolated field comes to `iso` between sample k, which is inside, and the one before, which is not, to
+// 2^-11 of a step. A ray that begins inside has no crossing: sample k itself.
+fn crossing(ray: Ray, k: u32, iso: f32) -> vec3f {
+    let at = lattice(ray, k);
+    if k <= ray.k_near {
+        return at;
+    }
+    // In steps before sample k.
+    var inside = 0.0;
+    var outside = 1.0;
+    for (var i = 0u; i < HALVINGS; i++) {
+        let middle = 0.5 * (inside + outside);
+        let goes_in = is_inside(sample_x(at - middle * ray.delta), iso);
+        inside = select(inside, middle, goes_in);
+        outside = select(middle, outside, goes_in);
+    }
+    return at - 0.5 * (inside + outside) * ray.delta;
+}
+
+// Central differences over two voxels, per local unit, of data values (in units of the table). No loop: drivers bound the
+// iterations of all loops together.
+fn gradient(at: vec3f) -> vec3f {
+    let x = sample_x(at + vec3f(1.0, 0.0, 0.0)) - sample_x(at - vec3f(1.0, 0.0, 0.0));
+    let y = sample_x(at + vec3f(0.0, 1.0, 0.0)) - sample_x(at - vec3f(0.0, 1.0, 0.0));
+    let z = sample_x(at + vec3f(0.0, 0.0, 1.0)) - sample_x(at - vec3f(0.0, 0.0, 1.0));
+    return vec3f(x, y, z) * view.grid_from_local * mode.direction;
+}
+
+// The unit direction from a ray's samples to its eye.
+fn to_eye(ray: Ray) -> vec3f {
+    let back = -ray.delta / (view.step * view.grid_from_local);
+    return back / sqrt(dot(back, back));
+}
+
+// The normal of matter at `at`: towards less; towards the eye where the data have no gradient.
+fn normal_at(at: vec3f, eye: vec3f) -> vec3f {
+    let g = gradient(at);
+    let length = sqrt(dot(g, g));
+    return select(-g / max(length, 1e-20), eye, length <= mode.least_gradient);
+}
+
+// What a surface sends to the eye of light that is as bright as 1: the factor of its colour, and the highlight (Blinn
+// and Phong).
+fn reflected(normal: vec3f, eye: vec3f) -> vec2f {
+    let light = select(mode.light, eye, mode.light_is_eye != 0u);
+    let sum = light + eye;
+    // Light from straight behind has no direction halfway.
+    let between = sum / max(sqrt(dot(sum, sum)), 1e-6);
+    let gloss = exp2(mode.shininess * log2(max(dot(normal, between), 1e-4)));
+    return vec2f(mode.ambient + mode.diffuse * max(dot(normal, light), 0.0), mode.specular * gloss);
+}
+
+// The (inner) surface's colour, lit, where the ray comes to it before sample k.
+fn lit_surface(ray: Ray, k: u32) -> vec3f {
+    let eye = to_eye(ray);
+    let light = reflected(normal_at(crossing(ray, k, mode.iso), eye), eye);
+    return mode.color * light.x + light.y;
+}

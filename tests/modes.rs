@@ -1,0 +1,486 @@
+//! Every mode on the GPU: near the f64 reference, not changed in any bit by skipping, and right where a closed form is
+//! known. These tests fail, not skip, where there is no adapter.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use glam::DVec3;
+use hollowcast::camera::{Camera, Orbit, Projection};
+use hollowcast::measure::metrics::metrics;
+use hollowcast::measure::verify::{Case, Verifier, View};
+use hollowcast::mode::{Light, Lighting, MODES, Mode, Outer, Window};
+use hollowcast::render::{BackendChoice, Renderer, Settings};
+use hollowcast::sample::Sampler;
+use hollowcast::scene::Picture;
+use hollowcast::skip::{Cuts, METHODS, Skip};
+use hollowcast::transfer::TransferFunction;
+use hollowcast::volume::{self, Rescale, Statistics, Volume, Voxels, phantom};
+
+/// One renderer for all tests: devices are dear on a software driver.
+fn renderer() -> MutexGuard<'static, Renderer> {
+    static RENDERER: Mutex<Option<&'static Mutex<Renderer>>> = Mutex::new(None);
+    let mut slot = RENDERER.lock().unwrap_or_else(PoisonError::into_inner);
+    let renderer = slot.get_or_insert_with(|| {
+        let renderer = Renderer::new(BackendChoice::Gpu)
+            .expect("these tests need an adapter: mesa-vulkan-drivers");
+        Box::leak(Box::new(Mutex::new(renderer)))
+    });
+    renderer.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Renderers of the GPU's and the reference's kind, ready for a volume.
+fn show(renderers: [&mut Renderer; 2], volume: &Arc<Volume>) -> TransferFunction {
+    let transfer = TransferFunction::from_spec("translucent", &Statistics::of(volume)).unwrap();
+    for renderer in renderers {
+        renderer.set_volume(Arc::clone(volume)).unwrap();
+        renderer.set_transfer(transfer.clone());
+    }
+    transfer
+}
+
+fn settings(mode: Mode, camera: Camera) -> Settings {
+    Settings {
+        skip: Skip::HalfSplit,
+        cuts: Cuts::default(),
+        sampler: Some(Sampler::Exact),
+        mode,
+        block: 4,
+        step_voxels: 0.7,
+        ert: 1.0,
+        size: [80, 72],
+        camera,
+        table_entries: 4096,
+    }
+}
+
+fn shipped(name: &str) -> Arc<Volume> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("data")
+        .join(name);
+    Arc::new(volume::open(&path, None).unwrap())
+}
+
+fn made(name: &str) -> Arc<Volume> {
+    Arc::new(phantom::make(name, [44, 48, 40]).unwrap())
+}
+
+/// The same numbers, of which data values are the negatives.
+fn turned_round(volume: &Volume) -> Arc<Volume> {
+    let Voxels::U8(voxels) = &volume.voxels else {
+        panic!("phantoms are bytes")
+    };
+    Arc::new(Volume {
+        voxels: Voxels::U8(voxels.iter().map(|v| 255 - v).collect::<Vec<_>>().into()),
+        rescale: Rescale {
+            slope: -1.0,
+            intercept: 255.0,
+        },
+        ..phantom::make("empty", volume.dims).unwrap()
+    })
+}
+
+/// All modes as they suit a volume, with light that does not come from the eye where one is lit.
+fn modes(volume: &Volume) -> Vec<Mode> {
+    let statistics = Statistics::of(volume);
+    let aside = Light::From([1.0, -2.0, 1.5]);
+    let mut modes: Vec<Mode> = MODES
+        .iter()
+        .map(|row| (row.suited_to)(&statistics))
+        .collect();
+    for mode in &mut modes {
+        if let Mode::Shaded(lighting) | Mode::TwoSurfaces { lighting, .. } = mode {
+            lighting.light = aside;
+        }
+    }
+    modes
+}
+
+/// The data values of the surfaces that a mode looks for.
+fn surfaces(mode: &Mode) -> Vec<f64> {
+    match *mode {
+        Mode::Normals { iso } | Mode::Phong { iso, .. } => vec![iso],
+        Mode::TwoSurfaces { outer, iso, .. } => vec![outer.iso, iso],
+        _ => Vec::new(),
+    }
+}
+
+/// Pixels whose ray has a sample within 1e-4 of the data's range of a surface, up to its hit: where its first hit is
+/// another one if the surface lies that much higher or lower.
+fn undecided(reference: &mut Renderer, volume: &Volume, settings: &Settings) -> Vec<bool> {
+    let [low, high] = Statistics::of(volume).value_range();
+    let margin = 1e-4 * (high - low);
+    let mut undecided = vec![false; (settings.size[0] * settings.size[1]) as usize];
+    for iso in surfaces(&settings.mode) {
+        let [below, above] = [iso - margin, iso + margin].map(|iso| {
+            let mode = Mode::Normals { iso };
+            let counted = reference.count(&Settings { mode, ..*settings });
+            counted.unwrap().first_hit
+        });
+        for (i, undecided) in undecided.iter_mut().enumerate() {
+            *undecided |= below[i] != above[i];
+        }
+    }
+    undecided
+}
+
+fn without(picture: &Picture, masked: &[bool]) -> Picture {
+    let mut picture = picture.clone();
+    for (pixel, _) in picture.rgba.iter_mut().zip(masked).filter(|(_, m)| **m) {
+        *pixel = [0.0; 4];
+    }
+    picture
+}
+
+fn check_against_reference(volumes: &[Arc<Volume>]) {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let (mut pixels, mut masked_pixels) = (0, 0);
+    for volume in volumes {
+        let transfer = show([&mut renderer, &mut reference], volume);
+        for mode in modes(volume) {
+            for view in [View::Outside, View::Cavity] {
+                let settings = settings(mode, view.camera(volume, &transfer, false));
+                let ours = renderer.render(&settings).unwrap().picture;
+                let truth = reference.render(&settings).unwrap().picture;
+                let masked = undecided(&mut reference, volume, &settings);
+                let count = masked.iter().filter(|m| **m).count();
+                if !surfaces(&mode).is_empty() {
+                    pixels += masked.len();
+                    masked_pixels += count;
+                }
+                let [ours, truth] = [ours, truth].map(|p| without(&p, &masked));
+                let error = metrics([(&ours, &truth)]);
+                println!(
+                    "{} {} {view:?}: {:.1} dB, max {:.2e}, {count} masked",
+                    volume.name,
+                    mode.name(),
+                    error.psnr_db(),
+                    error.max_abs
+                );
+                assert!(
+                    error.psnr_db() >= 60.0,
+                    "{} {mode:?} {view:?}: {} dB, at most {}",
+                    volume.name,
+                    error.psnr_db(),
+                    error.max_abs
+                );
+            }
+        }
+    }
+    println!("{masked_pixels} of {pixels} pixels masked");
+    assert!(
+        masked_pixels * 1000 <= pixels,
+        "{masked_pixels} of {pixels}"
+    );
+}
+
+#[test]
+fn every_mode_of_phantoms_is_within_60_db_of_the_reference() {
+    let turned = turned_round(&made("pot"));
+    check_against_reference(&[made("pot"), made("shells"), made("gyroid"), turned]);
+}
+
+#[test]
+fn every_mode_of_the_shell_is_within_60_db_of_the_reference() {
+    check_against_reference(&[shipped("qim3d_shell.nrrd")]);
+}
+
+#[test]
+fn every_mode_of_the_stent_is_within_60_db_of_the_reference() {
+    check_against_reference(&[shipped("stent.nrrd")]);
+}
+
+#[test]
+fn skipping_changes_no_bit_in_any_mode() {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let volumes = [
+        made("pot"),
+        made("noise"),
+        turned_round(&made("shells")),
+        shipped("qim3d_shell.nrrd"),
+        shipped("stent.nrrd"),
+    ];
+    for volume in &volumes {
+        let transfer = show([&mut renderer, &mut reference], volume);
+        for mode in modes(volume) {
+            for (view, sampler) in [
+                (View::Outside, Sampler::Exact),
+                (View::Cavity, Sampler::Hardware),
+                (View::Wall, Sampler::Exact),
+            ] {
+                let case = Case {
+                    view,
+                    is_parallel: view == View::Outside,
+                    block: 4,
+                    step_edges: 0.02,
+                    ert: 0.98,
+                    sampler,
+                };
+                for (renderer, sampler) in
+                    [(&mut *renderer, sampler), (&mut reference, Sampler::Exact)]
+                {
+                    let outcomes =
+                        Verifier::new(renderer, volume, &transfer, Cuts::default(), [48, 40])
+                            .with_mode(mode)
+                            .run(&Case { sampler, ..case })
+                            .unwrap();
+                    for outcome in outcomes {
+                        assert_eq!(
+                            outcome.differing_pixels, 0,
+                            "{} {mode:?}: {case:?}: {outcome:?}",
+                            volume.name
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn each_mode_skips_what_it_can() {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let volume = made("pot");
+    show([&mut renderer, &mut reference], &volume);
+    let camera = Orbit::default().camera(volume.extent());
+    for mode in modes(&volume) {
+        let [all, few] = [Skip::Box, Skip::HalfSplit].map(|skip| {
+            let settings = Settings {
+                skip,
+                ..settings(mode, camera)
+            };
+            renderer.count(&settings).unwrap().counters
+        });
+        assert_eq!(all.contributing, few.contributing, "{mode:?}");
+        // The background is the lowest value: all of it matters to minip.
+        if !matches!(mode, Mode::Minip(_)) {
+            assert!(
+                few.samples * 2 < all.samples,
+                "{mode:?}: {} of {}",
+                few.samples,
+                all.samples
+            );
+        }
+    }
+}
+
+/// A ball whose numbers fall evenly from its middle outwards, in 16 bits.
+fn smooth_ball(n: usize) -> Arc<Volume> {
+    let middle = n as f64 * 0.5;
+    let voxels: Vec<u16> = (0..n * n * n)
+        .map(|i| {
+            let at = [i % n, i / n % n, i / n / n].map(|c| c as f64 + 0.5 - middle);
+            let radius = DVec3::from_array(at).length();
+            (60_000.0 * (1.0 - radius / n as f64)).round() as u16
+        })
+        .collect();
+    Arc::new(Volume {
+        voxels: Voxels::U16(voxels.into()),
+        ..phantom::make("empty", [n; 3]).unwrap()
+    })
+}
+
+#[test]
+fn normals_of_a_ball_are_those_of_its_closed_form() {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let n = 128;
+    let volume = smooth_ball(n);
+    show([&mut renderer, &mut reference], &volume);
+    let radius = 0.35 * n as f64;
+    let iso = 60_000.0 * (1.0 - 0.35);
+    let middle = volume.extent() * 0.5;
+    let camera = Camera {
+        eye: middle - DVec3::new(300.0, 120.0, 80.0),
+        target: middle,
+        up: DVec3::Z,
+        projection: Projection::Orthographic { height: 100.0 },
+    };
+    let settings = Settings {
+        size: [96, 96],
+        ..settings(Mode::Normals { iso }, camera)
+    };
+    let frame = camera
+        .ray_frame(&volume, settings.size, settings.step_voxels)
+        .unwrap();
+    for renderer in [&mut *renderer, &mut reference] {
+        let picture = renderer.render(&settings).unwrap().picture;
+        let (mut sum, mut worst, mut hits) = (0.0_f64, 0.0_f64, 0);
+        for (i, pixel) in picture.rgba.iter().enumerate() {
+            let at = [i % 96, i / 96].map(|c| c as f64 - 47.5);
+            let start = frame.start + at[0] * frame.start_dx + at[1] * frame.start_dy - middle;
+            let dir = frame.dir;
+            let along = start.dot(dir);
+            let square = along * along - start.length_squared() + radius * radius;
+            // Rays that touch the ball rather than cross it may miss by rounding.
+            let is_edge = square.abs() < 10.0;
+            if is_edge {
+                continue;
+            }
+            assert_eq!(pixel[3] > 0.0, square > 0.0, "pixel {i}");
+            if square > 0.0 {
+                let expected = (start + (-along - square.sqrt()) * dir) / radius;
+                let [x, y, z, _] = pixel.map(|c| f64::from(c) * 2.0 - 1.0);
+                let cos = DVec3::new(x, y, z).normalize().dot(expected);
+                let degrees = cos.clamp(-1.0, 1.0).acos().to_degrees();
+                sum += degrees;
+                worst = worst.max(degrees);
+                hits += 1;
+            }
+        }
+        let mean = sum / f64::from(hits);
+        println!(
+            "{}: mean {mean:.3} degrees, at most {worst:.3}, {hits} hits",
+            renderer.info().backend
+        );
+        assert!(hits > 2000 && mean < 1.0, "{mean} degrees on average");
+    }
+}
+
+/// Stacks of material along z that every ray of an upright parallel view passes.
+fn stack(values: &[u8]) -> Arc<Volume> {
+    let (n, layer) = (24, 8);
+    let voxels: Vec<u8> = (0..n * n * layer * values.len())
+        .map(|i| values[i / (n * n * layer)])
+        .collect();
+    Arc::new(Volume {
+        dims: [n, n, layer * values.len()],
+        voxels: Voxels::U8(voxels.into()),
+        ..phantom::make("empty", [1; 3]).unwrap()
+    })
+}
+
+#[test]
+fn projections_of_a_stack_have_a_closed_form() {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let volume = stack(&[40, 140, 240, 90]);
+    show([&mut renderer, &mut reference], &volume);
+    let middle = volume.extent() * 0.5;
+    let camera = Camera {
+        eye: middle - DVec3::Z * 100.0,
+        target: middle,
+        up: DVec3::Y,
+        projection: Projection::Orthographic { height: 12.0 },
+    };
+    let window = Window {
+        low: 40.0,
+        high: 290.0,
+    };
+    let v = |value: f64| (value - 40.0) / 250.0;
+    for renderer in [&mut *renderer, &mut reference] {
+        for skip in METHODS
+            .iter()
+            .map(|m| m.skip)
+            .filter(|&s| renderer.has(s))
+            .collect::<Vec<_>>()
+        {
+            let mut pixel = |mode| {
+                let mut settings = settings(mode, camera);
+                (settings.skip, settings.step_voxels) = (skip, 0.5);
+                settings.size = [8, 8];
+                renderer.render(&settings).unwrap().picture.rgba[27].map(f64::from)
+            };
+            let near = |a: [f64; 4], b: [f64; 4], what: &str| {
+                let is_near = a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4);
+                assert!(is_near, "{what} by {skip:?}: {a:?}, not {b:?}");
+            };
+            near(pixel(Mode::Mip(window)), [v(240.0); 4], "mip");
+            let lowest = [0.0, 0.0, 0.0, 1.0 - v(40.0)];
+            near(pixel(Mode::Minip(window)), lowest, "minip");
+            // Between the layers the field is linear and sampled symmetrically: their mean, but for the half voxels at the
+            // ends, which repeat the outermost ones.
+            let mean = (v(40.0) + v(140.0) + v(240.0) + v(90.0)) / 4.0;
+            near(pixel(Mode::Mean(window)), [mean; 4], "mean");
+            // In a window that starts at the top nothing contributes.
+            let over = Window {
+                low: 240.0,
+                high: 290.0,
+            };
+            for mode in [Mode::Mip(over), Mode::Mean(over), Mode::Grey(over)] {
+                assert_eq!(pixel(mode), [0.0; 4], "{mode:?}");
+            }
+            // The first layers over the surface; the inner one lies behind.
+            let lighting = Lighting {
+                diffuse: 0.5,
+                ambient: 0.25,
+                specular: 0.0,
+                ..Lighting::default()
+            };
+            let two = Mode::TwoSurfaces {
+                outer: Outer {
+                    iso: 100.0,
+                    color: [1.0, 0.0, 0.0],
+                    opacity: 0.25,
+                },
+                iso: 200.0,
+                color: [0.0, 1.0, 1.0],
+                lighting,
+            };
+            let lit = 0.75 * 0.75;
+            near(pixel(two), [0.25, lit, lit, 1.0], "two-surfaces");
+            near(
+                pixel(Mode::Normals { iso: 100.0 }),
+                [0.5, 0.5, 0.0, 1.0],
+                "normals",
+            );
+        }
+    }
+}
+
+#[test]
+fn grey_of_homogeneous_matter_has_the_opacity_of_its_chord_at_any_step() {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let volume = stack(&[30]);
+    show([&mut renderer, &mut reference], &volume);
+    let middle = volume.extent() * 0.5;
+    let camera = Camera {
+        eye: middle - DVec3::Z * 100.0,
+        target: middle,
+        up: DVec3::Y,
+        projection: Projection::Orthographic { height: 12.0 },
+    };
+    let window = Window {
+        low: 20.0,
+        high: 120.0,
+    };
+    // A tenth of the window: that opacity per voxel, over eight voxels; and that grey.
+    let opacity = 1.0 - 0.9_f64.powi(8);
+    let grey = 0.1 * opacity;
+    for renderer in [&mut *renderer, &mut reference] {
+        for step_voxels in [0.25, 0.5, 1.0, 2.0] {
+            let picture = renderer.render(&Settings {
+                step_voxels,
+                size: [8, 8],
+                ..settings(Mode::Grey(window), camera)
+            });
+            for pixel in picture.unwrap().picture.rgba {
+                for (channel, expected) in pixel.into_iter().zip([grey, grey, grey, opacity]) {
+                    assert!((f64::from(channel) - expected).abs() < 1e-4, "{pixel:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_surface_beyond_all_data_is_an_empty_picture() {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let volume = made("sphere");
+    show([&mut renderer, &mut reference], &volume);
+    let camera = Orbit::default().camera(volume.extent());
+    for renderer in [&mut *renderer, &mut reference] {
+        for skip in [Skip::Box, Skip::HalfSplit] {
+            let settings = Settings {
+                skip,
+                ..settings(Mode::Normals { iso: 300.0 }, camera)
+            };
+            let picture = renderer.render(&settings).unwrap().picture;
+            assert!(picture.rgba.iter().all(|p| *p == [0.0; 4]));
+        }
+    }
+}
