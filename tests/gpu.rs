@@ -134,11 +134,7 @@ fn skipping_changes_no_bit_of_flat_thin_or_stretched_volumes() {
     let mut renderer = renderer();
     let transfer = ramp(40.0, 255.0, 0.3);
     // No block size divides these; one is flat, one a single voxel thick, one of slices ten times as far apart.
-    let shapes = [
-        ([65, 63, 17], 1.0),
-        ([1, 40, 40], 1.0),
-        ([40, 37, 9], 10.0),
-    ];
+    let shapes = [([65, 63, 17], 1.0), ([1, 40, 40], 1.0), ([40, 37, 9], 10.0)];
     for (dims, z_spacing) in shapes {
         let volume = Arc::new(Volume {
             spacing: glam::DVec3::new(1.0, 1.0, z_spacing),
@@ -190,10 +186,7 @@ fn a_segment_list_that_overflows_marches_to_the_last_exit() {
     assert_eq!(by_list.picture.difference(&by_box.picture).pixels, 0);
     let [whole, walk, list] = [by_box, by_walk, by_list].map(|c| c.samples[120]);
     // Fifteen gaps of its own, then all up to the last wall and nothing of what lies behind it.
-    assert!(
-        walk < list && list < whole - 60,
-        "{walk}, {list}, {whole}"
-    );
+    assert!(walk < list && list < whole - 60, "{walk}, {list}, {whole}");
     assert!(list < walk + (whole - walk) * 3 / 5);
 }
 
