@@ -1,6 +1,6 @@
 // Before the march: lists the segments of every ray, merged, in as many slots as there are; what follows the last but one
 // is one segment up to the last exit. Twin of skip::segment_list.
-#import skip/grid_dda
+#import shared/walk
 
 @group(0) @binding(2) var<storage, read> tiles: array<Tile>;
 // See skip/segment_list.

@@ -37,6 +37,7 @@ shaders![
     "shared/ray.inc",
     "shared/surface.inc",
     "shared/view.inc",
+    "shared/walk.inc",
     "shared/window.inc",
     "skip/adaptive.inc",
     "skip/bounds.inc",

@@ -86,6 +86,8 @@ struct Words {
     /// The table that they were made for.
     table: Arc<Table>,
     words: Vec<u32>,
+    /// What making them took.
+    ms: f64,
 }
 
 impl Structures {
@@ -174,14 +176,14 @@ impl Structures {
                     skip: settings.skip,
                     table: Arc::clone(table),
                     words,
+                    ms: ms_since(start),
                 });
             }
-            culled.cull_ms += ms_since(start);
         }
         let regions = culled.regions(settings, scene, cut_samples);
         let places: Vec<usize> = regions.iter().map(|r| culled.make_hull(r)).collect();
         let culled = &*culled;
-        let preparation = culled.preparation(accelerator, build_ms);
+        let preparation = culled.preparation(settings.skip, &places, accelerator, build_ms);
         let parts = regions
             .iter()
             .zip(places)
@@ -220,7 +222,8 @@ impl Structures {
         let culled = kept.culled.as_mut().expect("culled just above");
         let (axis, planes) = culled.planes(settings, scene, cut_samples);
         let culled = &*culled;
-        let mut preparation = culled.preparation(&kept.accelerator, kept.build_ms);
+        let mut preparation =
+            culled.preparation(settings.skip, &[], &kept.accelerator, kept.build_ms);
         let start = Instant::now();
         let plan = if settings.skip == Skip::Adaptive {
             let grid = &kept.accelerator.grid;
@@ -277,7 +280,8 @@ impl Structures {
             .iter()
             .find(|plan| plan.skip() == settings.skip);
         let plan = plan.expect("made just above");
-        let mut preparation = culled.preparation(&kept.accelerator, kept.build_ms);
+        let mut preparation =
+            culled.preparation(settings.skip, &[], &kept.accelerator, kept.build_ms);
         preparation.structure_bytes += plan.bytes() as u64;
         Ok((plan, preparation))
     }
@@ -479,20 +483,29 @@ impl Culled {
         self.hulls.len() - 1
     }
 
-    fn preparation(&self, accelerator: &Accelerator, build_ms: f64) -> Preparation {
+    /// What stands for one method, which rasterises the hulls at these places.
+    fn preparation(
+        &self,
+        skip: Skip,
+        hulls: &[usize],
+        accelerator: &Accelerator,
+        build_ms: f64,
+    ) -> Preparation {
+        let words = self.words.iter().find(|w| w.skip == skip);
+        let masks = self.masks.as_ref().filter(|_| skip == Skip::BeamMasks);
+        let hulls = hulls
+            .iter()
+            .map(|&i| size_of_val(&self.hulls[i].1.faces[..]));
+        let bytes = accelerator.structure_bytes()
+            + size_of_val(self.occupancy.words())
+            + hulls.sum::<usize>()
+            + words.map_or(0, |w| w.words.len() * 4)
+            + masks.map_or(0, BeamMasks::bytes);
         Preparation {
             preprocess_ms: build_ms,
-            cull_ms: self.cull_ms,
-            structure_bytes: accelerator.structure_bytes() as u64 + self.bytes(),
+            cull_ms: self.cull_ms + words.map_or(0.0, |w| w.ms),
+            structure_bytes: bytes as u64,
         }
-    }
-
-    fn bytes(&self) -> u64 {
-        let hulls = self.hulls.iter().map(|(_, h)| size_of_val(&h.faces[..]));
-        (size_of_val(self.occupancy.words())
-            + hulls.sum::<usize>()
-            + self.words.iter().map(|w| w.words.len() * 4).sum::<usize>()
-            + self.masks.as_ref().map_or(0, BeamMasks::bytes)) as u64
     }
 }
 

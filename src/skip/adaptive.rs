@@ -220,3 +220,69 @@ impl Segments for Strided<'_> {
         self.steps
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::skip::support::{check_ray, scenes};
+    use crate::transfer::{ControlPoint, Domain, TransferFunction};
+    use crate::volume::{Voxels, phantom};
+
+    proptest! {
+        /// Whatever the strides, segments hold whole ones and leave out only what an inactive block answers for.
+        #[test]
+        fn segments_hold_whole_strides_and_cover_what_is_active(scene in scenes()) {
+            let [nx, ny, nz] = scene.occupancy.dims;
+            let code = |i: usize| {
+                let active = scene.occupancy.get([i % nx, i / nx % ny, i / nx / ny]);
+                if active { 1 + (i % 4) as u8 } else { 0 }
+            };
+            let strides = Strides {
+                block: scene.occupancy.block,
+                dims: scene.occupancy.dims,
+                codes: (0..nx * ny * nz).map(code).collect(),
+            };
+            for (_, ray) in scene.rays() {
+                let mut segments = strides.segments(ray);
+                let mut found = Vec::new();
+                let mut k = 0;
+                while let Some(segment) = segments.next(k, f64::NAN) {
+                    prop_assert_eq!((segment.end - segment.start) % segments.stride(), 0);
+                    k = segment.end;
+                    found.push(segment);
+                }
+                check_ray(&scene.occupancy, &ray, &found)?;
+            }
+        }
+    }
+
+    #[test]
+    fn flat_data_take_the_longest_stride_and_steep_data_the_shortest() {
+        let n = 16;
+        // Flat in x up to the middle, then from wall to wall; all of it visible.
+        let voxels: Vec<u8> = (0..n * n * n)
+            .map(|i| if i % n < 8 || i % 2 == 0 { 200 } else { 50 })
+            .collect();
+        let volume = Volume {
+            voxels: Voxels::U8(voxels.into()),
+            ..phantom::make("empty", [n; 3]).unwrap()
+        };
+        let points = [(0.0, 0.1), (255.0, 0.9)].map(|(value, opacity)| ControlPoint {
+            value,
+            opacity,
+            color: [1.0; 3],
+        });
+        let function = TransferFunction::new(points.into(), 1.0).unwrap();
+        let domain = Domain::new(&volume, [0.0, 255.0], 256).unwrap();
+        let table = function.bake(&domain, 0.25);
+        let grid = LeafGrid::build(&volume, 4, 1);
+        let mut occupancy = Occupancy::new([n; 3], 4);
+        (0..64).for_each(|i| occupancy.set([i % 4, i / 4 % 4, i / 16]));
+        let gradients = Gradients::new(&volume, &grid);
+        let strides = Strides::new(&occupancy, &gradients, &grid, &table, 0.25);
+        assert_eq!(strides.codes[0], 4);
+        assert_eq!(strides.codes[3], 1);
+    }
+}

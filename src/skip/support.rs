@@ -115,7 +115,7 @@ pub(crate) fn check_ray(
 }
 
 /// Whether an inactive block's voxels and apron hold all that trilinear interpolation touches at `at`.
-fn is_answered_for(occupancy: &Occupancy, at: [f64; 3]) -> bool {
+pub(crate) fn is_answered_for(occupancy: &Occupancy, at: [f64; 3]) -> bool {
     let block = occupancy.block as f64;
     let candidates = [0, 1, 2].map(|a| {
         let last = occupancy.dims[a] as i64 - 1;

@@ -57,3 +57,36 @@ impl Segments for Probes<'_> {
         self.probes
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Between two probes all is taken, or nothing and neither of them shows anything.
+        #[test]
+        fn samples_between_probes_are_taken_where_one_of_them_shows(
+            near in 0u32..60,
+            len in 1u32..120,
+            shown in prop::collection::vec(any::<bool>(), 200),
+        ) {
+            let range = near..near + len;
+            let shows = |k: u32| shown[k as usize];
+            let mut probes = Probes { range: range.clone(), shows: &shows, hit: None, probes: 0 };
+            let mut taken = vec![false; 200];
+            let mut k = 0;
+            while let Some(segment) = probes.next(k, f64::NAN) {
+                prop_assert!(k.max(near) <= segment.start && segment.start < segment.end && segment.end <= range.end);
+                k = segment.end;
+                taken[segment.start as usize..segment.end as usize].fill(true);
+            }
+            for k in range.clone() {
+                let before = k / COARSE * COARSE;
+                let after = (before + COARSE).min(range.end - 1);
+                prop_assert_eq!(taken[k as usize], shows(before) || shows(after));
+            }
+        }
+    }
+}

@@ -216,13 +216,14 @@ impl GpuBackend {
         Ok(())
     }
 
-    /// Bytes on the device of what is kept from frame to frame besides the volume.
+    /// Bytes on the device of what the job's method keeps from frame to frame besides the volume.
     pub(super) fn structure_bytes(&self, job: &Job) -> u64 {
-        let faces = self.kept_faces.values().flatten();
+        let parts = job.parts.iter();
+        let faces = parts.filter_map(|p| self.kept_faces.get(&p.key)?.as_ref());
         let largest = largest_piece(job, &self.gpu.device.limits());
         let [width, height] = job.scene.frame.size.map(|n| u64::from(n.min(largest)));
         faces.map(FaceBuffers::bytes).sum::<u64>()
-            + self.blocks.bytes()
+            + job.blocks.map_or(0, |(_, words)| size_of_val(words) as u64)
             + width * height * 4 * u64::from(ray_words(job))
     }
 
