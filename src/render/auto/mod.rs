@@ -33,6 +33,16 @@ pub const DEFAULT_BLOCK: usize = 8;
 /// A method is taken in place of box only where it promises to take less than this of box's time.
 const WORTH_IT: f64 = 0.9;
 
+/// The same where it leaves out less than [`NEXT_TO_NOTHING`] of box's samples, and what is promised can be little but the
+/// noise of the calibration: the CPU's cell bits can make good on it, most cannot.
+const WORTH_IT_FOR_NOTHING: f64 = 0.8;
+
+/// The share of box's samples that is next to nothing.
+const NEXT_TO_NOTHING: f64 = 0.05;
+
+/// The least gain over box that is worth a structure, in ms.
+const LEAST_GAIN_MS: f64 = 0.05;
+
 /// Of choices within this of the least time, the simplest is taken: the first method of the table, in the largest blocks.
 const AS_FAST: f64 = 1.02;
 
@@ -224,13 +234,20 @@ impl Renderer {
                 .collect(),
             _ => candidates,
         };
-        let promised: Vec<(Choice, f64)> = self
+        let promised: Vec<Promise> = self
             .works(&settings, &candidates)?
             .into_iter()
             .zip(candidates)
-            .filter_map(|(work, choice)| Some((choice, self.line(choice.skip).ms(&work?))))
+            .filter_map(|(work, choice)| {
+                let work = work?;
+                Some(Promise {
+                    choice,
+                    ms: self.line(choice.skip).ms(&work),
+                    samples: work.samples,
+                })
+            })
             .collect();
-        for (choice, ms) in &promised {
+        for Promise { choice, ms, .. } in &promised {
             tracing::debug!("auto: {} would take {ms:.2} ms", choice.words());
         }
         let choice = pick(&promised, kept);
@@ -345,31 +362,45 @@ impl Choice {
     };
 }
 
-/// The choice to make of what each promises to take, in ms, where `kept` was made for another view of the same.
-fn pick(promised: &[(Choice, f64)], kept: Option<Choice>) -> Choice {
-    let ms_of = |choice: &Choice| {
-        let found = promised.iter().find(|(c, _)| c == choice);
-        found.map_or(f64::INFINITY, |(_, ms)| *ms)
+/// What a choice promises for a frame.
+#[derive(Debug, Clone, Copy)]
+struct Promise {
+    choice: Choice,
+    ms: f64,
+    /// Samples marched.
+    samples: f64,
+}
+
+impl Promise {
+    /// Whether it is worth more than box, which is simplest.
+    fn beats(&self, base: &Self) -> bool {
+        let left_out = 1.0 - self.samples / base.samples;
+        let worth_it = if left_out < NEXT_TO_NOTHING {
+            WORTH_IT_FOR_NOTHING
+        } else {
+            WORTH_IT
+        };
+        self.ms < base.ms * worth_it && base.ms - self.ms > LEAST_GAIN_MS
+    }
+}
+
+/// The choice to make of these, where `kept` was made for another view of the same.
+fn pick(promised: &[Promise], kept: Option<Choice>) -> Choice {
+    let of = |choice: &Choice| promised.iter().find(|p| p.choice == *choice);
+    let Some(base) = of(&Choice::BOX) else {
+        return Choice::BOX;
     };
-    let least = promised.iter().map(|p| p.1).fold(f64::INFINITY, f64::min);
+    let worthy = || promised.iter().filter(|p| p.beats(base));
+    let least = worthy().map(|p| p.ms).fold(f64::INFINITY, f64::min);
     // Candidates come in the order of the table, blocks ascending.
-    let simplest = promised
-        .iter()
-        .filter(|(_, ms)| *ms <= least * AS_FAST)
-        .reduce(|a, b| {
-            if b.0.skip == a.0.skip && b.0.block > a.0.block {
-                b
-            } else {
-                a
-            }
-        });
-    let best = match simplest {
-        Some(&(best, ms)) if ms < ms_of(&Choice::BOX) * WORTH_IT => best,
-        _ => Choice::BOX,
-    };
-    match kept {
-        Some(kept) if ms_of(&best) > ms_of(&kept) * WORTH_TURNING => kept,
-        _ => best,
+    let simplest = worthy().filter(|p| p.ms <= least * AS_FAST).reduce(|a, b| {
+        let is_simpler = b.choice.skip == a.choice.skip && b.choice.block > a.choice.block;
+        if is_simpler { b } else { a }
+    });
+    let best = simplest.unwrap_or(base);
+    match kept.and_then(|kept| of(&kept)) {
+        Some(kept) if best.ms > kept.ms * WORTH_TURNING => kept.choice,
+        _ => best.choice,
     }
 }
 

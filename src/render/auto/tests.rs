@@ -142,26 +142,36 @@ fn the_simplest_of_equals_is_picked_and_box_unless_something_beats_it_clearly() 
         block,
         ..Choice::BOX
     };
+    let of = |choice, ms, samples| Promise {
+        choice,
+        ms,
+        samples,
+    };
     let promised = |ms: [f64; 4]| {
         [
-            (Choice::BOX, ms[0]),
-            (choice(Skip::Hull, 4), ms[1]),
-            (choice(Skip::Hull, 8), ms[2]),
-            (choice(Skip::BeamMasks, 8), ms[3]),
+            of(Choice::BOX, ms[0], 100.0),
+            of(choice(Skip::Hull, 4), ms[1], 50.0),
+            of(choice(Skip::Hull, 8), ms[2], 60.0),
+            of(choice(Skip::BeamMasks, 8), ms[3], 40.0),
         ]
     };
     let best = |ms| pick(&promised(ms), None);
     assert_eq!(best([10.0, 5.0, 5.05, 5.0]), choice(Skip::Hull, 8));
     assert_eq!(best([10.0, 5.0, 5.5, 4.0]), choice(Skip::BeamMasks, 8));
     assert_eq!(best([10.0, 9.5, 9.5, 9.2]), Choice::BOX);
+    assert_eq!(best([0.06, 0.02, 0.02, 0.02]), Choice::BOX);
     assert_eq!(pick(&[], None), Choice::BOX);
     let kept = Some(choice(Skip::Hull, 8));
-    assert_eq!(
-        pick(&promised([10.0, 5.0, 5.0, 4.5]), kept),
-        choice(Skip::Hull, 8)
-    );
-    assert_eq!(
-        pick(&promised([10.0, 5.0, 5.0, 4.0]), kept),
-        choice(Skip::BeamMasks, 8)
-    );
+    let turned = |ms| pick(&promised(ms), kept);
+    assert_eq!(turned([10.0, 5.0, 5.0, 4.5]), choice(Skip::Hull, 8));
+    assert_eq!(turned([10.0, 5.0, 5.0, 4.0]), choice(Skip::BeamMasks, 8));
+    assert_eq!(turned([3.0, 5.0, 5.0, 4.0]), Choice::BOX);
+    // Without samples to leave out, a little less time is noise.
+    for (ms, chosen) in [(8.5, Skip::Box), (7.0, Skip::BeamMasks)] {
+        let all = [
+            of(Choice::BOX, 10.0, 100.0),
+            of(choice(Skip::BeamMasks, 8), ms, 99.0),
+        ];
+        assert_eq!(pick(&all, None).skip, chosen);
+    }
 }
