@@ -187,7 +187,9 @@ impl<'a> Bundle<'a> {
         let plan = Plan::with_planes(choice.skip, occupancy, frame, self.axis, planes).ok()?;
         // Beams of tiles are followed above; no other lossless method asks which pixel it is or what shows.
         self.along_rays(&mut work, |ray| plan.segments(ray, [0; 2], &|_| false));
-        if backend != "gpu" || choice.skip == Skip::Box {
+        let is_rasterised =
+            backend == "gpu" && matches!(choice.skip, Skip::Hull | Skip::HalfSplit | Skip::KCuts);
+        if !is_rasterised {
             return Some(self.of_all_pixels(work));
         }
         // Hulls are rasterised: front and back of each part, in tiles that have something in them.
