@@ -85,7 +85,7 @@ struct Words {
     skip: Skip,
     /// The table that they were made for.
     table: Arc<Table>,
-    words: Vec<u32>,
+    content: Vec<u32>,
     /// What making them took.
     ms: f64,
 }
@@ -175,7 +175,7 @@ impl Structures {
                     id: words_id,
                     skip: settings.skip,
                     table: Arc::clone(table),
-                    words,
+                    content: words,
                     ms: ms_since(start),
                 });
             }
@@ -419,7 +419,7 @@ impl Culled {
     /// What a method's own shader reads, and its name.
     fn words_of(&self, skip: Skip) -> Option<(u64, &[u32])> {
         let found = self.words.iter().find(|w| w.skip == skip)?;
-        Some((found.id, &found.words))
+        Some((found.id, &found.content))
     }
 
     /// The axis that the settings' method cuts across, and where it does.
@@ -499,7 +499,7 @@ impl Culled {
         let bytes = accelerator.structure_bytes()
             + size_of_val(self.occupancy.words())
             + hulls.sum::<usize>()
-            + words.map_or(0, |w| w.words.len() * 4)
+            + words.map_or(0, |w| w.content.len() * 4)
             + masks.map_or(0, BeamMasks::bytes);
         Preparation {
             preprocess_ms: build_ms,

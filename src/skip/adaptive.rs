@@ -276,12 +276,12 @@ mod tests {
         });
         let function = TransferFunction::new(points.into(), 1.0).unwrap();
         let domain = Domain::new(&volume, [0.0, 255.0], 256).unwrap();
-        let table = function.bake(&domain, 0.25);
+        let table = function.bake(&domain, 1.0);
         let grid = LeafGrid::build(&volume, 4, 1);
         let mut occupancy = Occupancy::new([n; 3], 4);
         (0..64).for_each(|i| occupancy.set([i % 4, i / 4 % 4, i / 16]));
         let gradients = Gradients::new(&volume, &grid);
-        let strides = Strides::new(&occupancy, &gradients, &grid, &table, 0.25);
+        let strides = Strides::new(&occupancy, &gradients, &grid, &table, 1.0);
         assert_eq!(strides.codes[0], 4);
         assert_eq!(strides.codes[3], 1);
     }

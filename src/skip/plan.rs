@@ -10,7 +10,7 @@ use super::k_cuts::{BestCuts, DEFAULT_CUT_COST, Planes};
 use super::octree_encoded::Positions;
 use super::oracle::Contributing;
 use super::traversal::Line;
-use super::two_step::Probes;
+use super::two_step::CoarseSteps;
 use super::{HalfSplit, Hull, KCuts, Skip, bounding_box, half_axis, segment_list};
 use crate::error::{Error, Result};
 use crate::lattice::{Ray, RayFrame, Real};
@@ -134,7 +134,7 @@ impl<'a> Plan<'a> {
                 ray,
                 steps: 0,
             }),
-            Self::TwoStep => Box::new(Probes {
+            Self::TwoStep => Box::new(CoarseSteps {
                 range,
                 shows,
                 hit: None,

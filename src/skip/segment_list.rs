@@ -1,8 +1,8 @@
 //! Segment lists, after SparseLeap (Hadwiger et al. 2018): all entries into active space and exits from it are listed for
 //! each pixel, in order, before its ray is marched. Where two blocks touch there is neither.
 //!
-//! `SparseLeap` rasterises occupied space and sorts what falls on a pixel; here the events come from a walk through the
-//! blocks ([`super::grid_dda`]), which meets them in order. A list has [`MOST_SEGMENTS`] slots: in one that overflows, the
+//! SparseLeap rasterises occupied space and sorts what falls on a pixel; here the events come from a walk through the
+//! blocks (as grid-dda takes), which meets them in order. A list has [`MOST_SEGMENTS`] slots: in one that overflows, the
 //! last segment reaches to the last exit.
 
 use std::ops::Range;

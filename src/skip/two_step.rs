@@ -13,7 +13,7 @@ use super::plan::Shows;
 const COARSE: u32 = 8;
 
 /// The probes of one ray.
-pub(super) struct Probes<'a> {
+pub(super) struct CoarseSteps<'a> {
     /// Samples of the ray.
     pub(super) range: Range<u32>,
     pub(super) shows: Shows<'a>,
@@ -22,14 +22,14 @@ pub(super) struct Probes<'a> {
     pub(super) probes: u32,
 }
 
-impl Probes<'_> {
+impl CoarseSteps<'_> {
     fn probe(&mut self, k: u32) -> bool {
         self.probes += 1;
         (self.shows)(k.min(self.range.end - 1))
     }
 }
 
-impl Segments for Probes<'_> {
+impl Segments for CoarseSteps<'_> {
     fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
         let mut k = k.max(self.range.start);
         while k < self.range.end {
@@ -74,8 +74,8 @@ mod tests {
         ) {
             let range = near..near + len;
             let shows = |k: u32| shown[k as usize];
-            let mut probes = Probes { range: range.clone(), shows: &shows, hit: None, probes: 0 };
-            let mut taken = vec![false; 200];
+            let mut probes = CoarseSteps { range: range.clone(), shows: &shows, hit: None, probes: 0 };
+            let mut taken = [false; 200];
             let mut k = 0;
             while let Some(segment) = probes.next(k, f64::NAN) {
                 prop_assert!(k.max(near) <= segment.start && segment.start < segment.end && segment.end <= range.end);

@@ -1,7 +1,10 @@
 //! What is found out of every pixel's ray before it is marched, and kept in some words for each: the oracle's contributing
 //! samples, segment-list's segments.
 
-use super::{Job, MAX_TARGET};
+use super::dispatch::Dispatch;
+use super::march::SETTINGS_STRIDE;
+use super::{Job, MAX_TARGET, RASTER};
+use crate::gpu::timer::{Place, SpanTimer};
 use crate::skip::Skip;
 use crate::skip::segment_list::MOST_SEGMENTS;
 
@@ -27,4 +30,31 @@ pub(super) fn largest_piece(job: &Job, limits: &wgpu::Limits) -> u32 {
     };
     // Whole tiles; a single one is tried whatever it takes.
     (pixels.isqrt() as u32 / 8 * 8).clamp(8, largest)
+}
+
+/// Lists the segments of every ray of the tiles that the dispatches march.
+pub(super) fn list_segments(
+    encoder: &mut wgpu::CommandEncoder,
+    pipeline: &wgpu::ComputePipeline,
+    [scene, skip]: [&wgpu::BindGroup; 2],
+    dispatches: &[Dispatch],
+    timer: &SpanTimer,
+) {
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+        label: Some("segments"),
+        timestamp_writes: timer.compute(Place {
+            span: RASTER,
+            first: true,
+            last: true,
+        }),
+    });
+    pass.set_pipeline(pipeline);
+    pass.set_bind_group(1, skip, &[]);
+    for (i, dispatch) in dispatches.iter().enumerate() {
+        // Those that go on with a ray find its list made.
+        if !dispatch.resume {
+            pass.set_bind_group(0, scene, &[(i as u64 * SETTINGS_STRIDE) as u32]);
+            dispatch.launch(&mut pass);
+        }
+    }
 }

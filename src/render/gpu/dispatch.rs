@@ -24,6 +24,14 @@ pub(super) struct Dispatch {
     pub(super) submit: bool,
 }
 
+impl Dispatch {
+    /// A workgroup for every tile.
+    pub(super) fn launch(&self, pass: &mut wgpu::ComputePass) {
+        let rows = self.tile_count.div_ceil(TILES_PER_ROW);
+        pass.dispatch_workgroups(self.tile_count.min(TILES_PER_ROW), rows, 1);
+    }
+}
+
 /// Cuts a march into dispatches of bounded length.
 pub(super) fn dispatches(job: &Job, tile_count: u32, is_software: bool) -> Vec<Dispatch> {
     // Every iteration takes a sample, passes one by, or takes a step between blocks: at most two for each on the way. Methods

@@ -14,8 +14,8 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use self::before::{largest_piece, ray_words};
-use self::dispatch::{Dispatch, TILES_PER_ROW, dispatches};
+use self::before::{largest_piece, list_segments, ray_words};
+use self::dispatch::dispatches;
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
 use self::march::{Count, March, MarchPass, SETTINGS_STRIDE, uniform};
 use self::present::PresentPass;
@@ -540,21 +540,8 @@ impl GpuBackend {
         let last = dispatches.len() - 1;
         if job.skip == Skip::SegmentList {
             let pipeline = self.march.segments(gpu)?;
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("segments"),
-                timestamp_writes: self.timer.compute(Place {
-                    span: RASTER,
-                    first: true,
-                    last: true,
-                }),
-            });
-            pass.set_pipeline(pipeline);
-            pass.set_bind_group(1, &before_march, &[]);
-            for (i, dispatch) in dispatches.iter().enumerate().filter(|(_, d)| !d.resume) {
-                pass.set_bind_group(0, &scene_group, &[(i as u64 * SETTINGS_STRIDE) as u32]);
-                dispatch_tiles(&mut pass, dispatch);
-            }
-            drop(pass);
+            let groups = [&scene_group, &before_march];
+            list_segments(&mut encoder, pipeline, groups, &dispatches, &self.timer);
             self.timer.resolve(&mut encoder, RASTER);
         }
         let pipeline = self.march.pipeline(gpu, march)?;
@@ -573,7 +560,7 @@ impl GpuBackend {
                     pass.set_pipeline(pipeline);
                     pass.set_bind_group(0, &scene_group, &[(i as u64 * SETTINGS_STRIDE) as u32]);
                     pass.set_bind_group(1, &march_group, &[]);
-                    dispatch_tiles(&mut pass, dispatch);
+                    dispatch.launch(&mut pass);
                 }
             }
             if i == last {
@@ -599,12 +586,6 @@ impl GpuBackend {
 
 fn bind(binding: u32, resource: wgpu::BindingResource<'_>) -> wgpu::BindGroupEntry<'_> {
     wgpu::BindGroupEntry { binding, resource }
-}
-
-/// A workgroup for every tile of the dispatch.
-fn dispatch_tiles(pass: &mut wgpu::ComputePass, dispatch: &Dispatch) {
-    let rows = dispatch.tile_count.div_ceil(TILES_PER_ROW);
-    pass.dispatch_workgroups(dispatch.tile_count.min(TILES_PER_ROW), rows, 1);
 }
 
 /// Puts a piece where it belongs in the picture.
