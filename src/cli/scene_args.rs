@@ -87,11 +87,6 @@ impl SceneArgs {
         }
     }
 
-    /// The transfer function for this volume.
-    pub(super) fn transfer(&self, volume: &Volume) -> Result<TransferFunction> {
-        TransferFunction::from_spec(&self.tf, &Statistics::of(volume))
-    }
-
     /// The transfer function and the mode for this volume.
     pub(super) fn transfer_and_mode(&self, volume: &Volume) -> Result<(TransferFunction, Mode)> {
         let statistics = Statistics::of(volume);
