@@ -72,12 +72,28 @@ fn bad_input_is_answered_in_one_line_that_names_it_and_with_2() {
         fails(&args)
     };
     let sphere = "phantom:sphere:8";
+    let mode = |name, more: &[&str]| into(sphere, &[&["--mode", name], more].concat());
     for ((code, error), named) in [
         (into("no such file.nrrd", &[]), "no such file.nrrd"),
         (into(&nonsense, &[]), "nonsense.nrrd"),
         (into("phantom:cube:8", &[]), "menger"),
         (into(sphere, &["--method", "guess"]), "half-split"),
         (into(sphere, &["--mode", "guess"]), "emission-absorption"),
+        (mode("mip", &["--window", "5:5"]), "window"),
+        (mode("mip", &["--window", "5"]), "LOW:HIGH"),
+        (mode("mip", &["--iso", "5"]), "--iso"),
+        (mode("phong", &["--light", "0,0,0"]), "light"),
+        (mode("phong", &["--light", "up"]), "headlight"),
+        (mode("phong", &["--shininess", "0"]), "shininess"),
+        (mode("phong", &["--iso", "nan"]), "iso"),
+        (
+            mode("two-surfaces", &["--iso", "90", "--iso2", "50"]),
+            "iso2",
+        ),
+        (
+            fails(&["render", sphere, "--backend", "cpu", "--mode", "phong"]),
+            "emission-absorption",
+        ),
         (into(sphere, &["--sampler", "guess"]), "exact"),
         (
             fails(&["render", sphere, "--backend", "guess"]),
@@ -103,6 +119,25 @@ fn bad_input_is_answered_in_one_line_that_names_it_and_with_2() {
         assert!(error.starts_with("error: "), "{error}");
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn a_surface_beyond_all_data_is_an_empty_picture_and_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = path(folder.path(), "p.npy");
+    let sphere = "phantom:sphere:12";
+    let mut args = vec!["render", sphere, "-o", &picture, "--mode", "phong"];
+    args.extend(["--iso", "300"]);
+    args.extend(SMALL);
+    let output = hollowcast(&args);
+    assert!(output.status.success());
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        errors.starts_with("warning: iso 300") && errors.lines().count() == 1,
+        "{errors}"
+    );
+    let (_, numbers) = read_npy(&picture);
+    assert!(numbers.iter().all(|&n| n == 0.0));
 }
 
 #[test]

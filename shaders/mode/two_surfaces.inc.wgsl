@@ -1,23 +1,23 @@
-// A translucent surface before a lit one: opacity tells what has been crossed, for the outer one's is above 0 and the
-// inner one is opaque.
+// A translucent surface before a lit one. The state keeps the sample that hit the inner one, the outer one's opacity once
+// that is hit, and 1 once the inner one is.
 #import shared/surface
 
 fn mode_sample(state: ptr<function, vec4f>, x: f32, k: u32, ray: Ray) -> bool {
-    let meets_outer = (*state).a == 0.0 && is_inside(x, mode.outer_iso);
-    if meets_outer {
-        *state = vec4f(mode.outer_color.rgb * mode.outer_color.a, mode.outer_color.a);
-    }
-    let meets_inner = (*state).a < 1.0 && is_inside(x, mode.iso);
-    if meets_inner {
-        *state = vec4f((*state).rgb + (1.0 - (*state).a) * lit_surface(ray, k), 1.0);
-    }
-    return meets_outer || meets_inner;
+    let hits_outer = (*state).y == 0.0 && is_inside(x, mode.outer_iso);
+    (*state).y = select((*state).y, mode.outer_color.a, hits_outer);
+    let hits_inner = (*state).y < 1.0 && is_inside(x, mode.iso);
+    *state = select(*state, vec4f(f32(k), (*state).y, 0.0, 1.0), hits_inner);
+    return hits_outer || hits_inner;
 }
 
 fn mode_done(state: vec4f) -> bool {
-    return state.a >= 1.0;
+    return max(state.y, state.a) >= 1.0;
 }
 
 fn mode_finish(state: vec4f, ray: Ray) -> vec4f {
-    return state;
+    let outer = vec4f(mode.outer_color.rgb, 1.0) * state.y;
+    if state.a == 0.0 {
+        return outer;
+    }
+    return outer + (1.0 - state.y) * vec4f(lit_surface(ray, u32(state.x)), 1.0);
 }

@@ -15,7 +15,7 @@ pub(super) struct ModeArgs {
     #[arg(long, default_value = MODES[0].name, value_parser = named())]
     mode: &'static ModeRow,
 
-    /// Data values of brightness 0 and 1 in grey, mip, minip, mean [default: from the end of the background to the highest]
+    /// Data values of brightness 0 and 1 in grey, mip, minip, mean [default: from the end of the background, in minip from the lowest, to the highest]
     #[arg(long, value_name = "LOW:HIGH", allow_hyphen_values = true, value_parser = window)]
     window: Option<Window>,
 

@@ -3,6 +3,7 @@
 use super::cells::Cells;
 use super::grid::Grid;
 use super::packet::{LANES, Packet, Voxel};
+use super::project::Projection;
 use crate::lattice::Ray;
 use crate::mode::emission_absorption::State;
 use crate::skip::beam_masks::{BeamMasks, Collapse};
@@ -23,6 +24,8 @@ pub(super) struct Job<'a, V> {
     pub(super) background: [f64; 2],
     /// Opacity at which rays stop; infinite: never.
     pub(super) threshold: f64,
+    /// Read in place of the table by the modes that project.
+    pub(super) projection: Option<Projection>,
     pub(super) skip: &'a Skipping,
     /// Cells that may be visible; `None`: all are looked at.
     pub(super) cells: Option<&'a Cells>,
@@ -138,7 +141,7 @@ impl<P: Packet> Tally<P> {
 pub(super) struct Marcher<'a, P: Packet, V, const COUNT: bool> {
     job: &'a Job<'a, V>,
     pub(super) ray: Ray<P>,
-    pub(super) state: State<P>,
+    state: State<P>,
     /// Where each ray ends: one past its last sample; 0 once it has seen enough.
     end: P,
     pub(super) tally: Tally<P>,
@@ -259,6 +262,13 @@ impl<'a, P: Packet, V: Voxel, const COUNT: bool> Marcher<'a, P, V, COUNT> {
             Tally::count(&mut self.tally.samples, wanted);
         }
         let x = (job.grid.value(cell) - P::splat(job.base)) * P::splat(job.scale);
+        if let Some(projection) = &job.projection {
+            let seen = projection.add(&mut self.state.rgba[0], x, wanted);
+            let done = projection.done(self.state.rgba[0]);
+            self.end = P::select(done, P::splat(0.0), self.end);
+            self.tally_seen(seen, k);
+            return;
+        }
         let low = P::splat(job.background[0]);
         let high = P::splat(job.background[1]);
         let outside = P::and(wanted, P::or(x.lt(low), high.lt(x)));
@@ -279,10 +289,27 @@ impl<'a, P: Packet, V: Voxel, const COUNT: bool> Marcher<'a, P, V, COUNT> {
             let zero = P::splat(0.0);
             let seen = sample.map(|c| zero.lt(c));
             let seen = P::or(P::or(seen[0], seen[1]), P::or(seen[2], seen[3]));
+            self.tally_seen(seen, k);
+        }
+    }
+
+    /// Counts samples at `k` that contributed.
+    #[inline(always)]
+    fn tally_seen(&mut self, seen: P::Mask, k: P) {
+        if COUNT {
             Tally::count(&mut self.tally.contributing, seen);
-            let t = self.ray.t_box + (k + P::splat(0.5)) * P::splat(job.frame.step);
+            let t = self.ray.t_box + (k + P::splat(0.5)) * P::splat(self.job.frame.step);
             self.tally.first_hit =
                 P::select(seen, self.tally.first_hit.min(t), self.tally.first_hit);
+        }
+    }
+
+    /// The pixels, once all samples are taken.
+    #[inline(always)]
+    pub(super) fn pixels(&self) -> [P; 4] {
+        match &self.job.projection {
+            Some(projection) => projection.finish(self.state.rgba[0], &self.ray),
+            None => self.state.rgba,
         }
     }
 }

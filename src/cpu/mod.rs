@@ -11,6 +11,7 @@ mod cells;
 mod grid;
 mod march;
 mod packet;
+mod project;
 mod table;
 mod tile;
 
@@ -22,9 +23,11 @@ use self::cells::Cells;
 use self::grid::Grid;
 use self::march::{Counted, Job, Pixel, Skipping};
 use self::packet::Voxel;
+use self::project::Projection;
 use self::table::Background;
 use self::tile::TileArea;
 use crate::error::{Error, Result};
+use crate::mode::{Mode, Parameters};
 use crate::octree::Occupancy;
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Counters, Picture, Scene};
@@ -275,7 +278,9 @@ fn draw<O: Pixel>(
             ),
         ));
     }
-    if scene.volume.dims != plan.dims || plan.background.is_some_and(|b| !b.fits(scene.table)) {
+    let reads_table = scene.mode == Mode::EmissionAbsorption;
+    let shows_more = plan.background.is_some_and(|b| !b.fits(scene.table));
+    if scene.volume.dims != plan.dims || (reads_table && shows_more) {
         return Err(Error::setting(
             "plan",
             "was made for another volume or table",
@@ -293,6 +298,8 @@ fn draw_typed<V: Voxel, O: Pixel>(
 ) -> Result<()> {
     let domain = scene.table.domain();
     let rows = table::rows(scene.table);
+    let parameters = Parameters::new(&scene.mode, domain, scene.frame.step);
+    let projection = Projection::of(scene.mode, parameters);
     let job = Job {
         grid: Grid {
             voxels,
@@ -312,8 +319,10 @@ fn draw_typed<V: Voxel, O: Pixel>(
         } else {
             f64::INFINITY
         },
+        projection,
         skip: &plan.skipping,
-        cells: plan.cells.as_ref(),
+        // Cells are of what the table shows.
+        cells: plan.cells.as_ref().filter(|_| projection.is_none()),
     };
     let edge = plan.tile as usize;
     let width = scene.frame.size[0] as usize;

@@ -82,7 +82,7 @@ fn draw_packet<P: Packet, V: Voxel, O: Pixel>(
                     }
                 }
             }
-            (marcher.state.rgba, marcher.tally)
+            (marcher.pixels(), marcher.tally)
         }};
     }
     let (rgba, tally) = if O::COUNT {

@@ -126,21 +126,21 @@ pub const MODES: &[ModeRow] = &[
     ModeRow {
         name: "mip",
         shader: "mip",
-        backends: &["gpu", "reference"],
+        backends: &["gpu", "cpu", "reference"],
         summary: "the highest value of each ray, as the opacity of white",
         suited_to: |s| Mode::Mip(Window::above_background(s)),
     },
     ModeRow {
         name: "minip",
         shader: "minip",
-        backends: &["gpu", "reference"],
+        backends: &["gpu", "cpu", "reference"],
         summary: "the lowest value of each ray, as the opacity of black: look at it on white",
-        suited_to: |s| Mode::Minip(Window::above_background(s)),
+        suited_to: |s| Mode::Minip(Window::whole(s)),
     },
     ModeRow {
         name: "mean",
         shader: "mean",
-        backends: &["gpu", "reference"],
+        backends: &["gpu", "cpu", "reference"],
         summary: "the mean of each ray inside the box, as the opacity of white",
         suited_to: |s| Mode::Mean(Window::above_background(s)),
     },
@@ -334,6 +334,13 @@ impl Window {
         let low = threshold(statistics);
         let [_, high] = statistics.value_range();
         // Of data that are nothing but background, nothing is above it.
+        let high = if high > low { high } else { low + 1.0 };
+        Self { low, high }
+    }
+
+    /// From the lowest to the highest value: what is lowest is background more often than not.
+    pub fn whole(statistics: &Statistics) -> Self {
+        let [low, high] = statistics.value_range();
         let high = if high > low { high } else { low + 1.0 };
         Self { low, high }
     }
