@@ -11,6 +11,7 @@ use crate::camera::Camera;
 use crate::cpu::{self, CpuPlan};
 use crate::error::{Error, Result};
 use crate::gpu::{AdapterKind, Gpu};
+use crate::lattice::{Clipping, RayFrame};
 use crate::mode::Mode;
 use crate::reference;
 use crate::sample::Sampler;
@@ -73,6 +74,8 @@ pub struct Settings {
     pub size: [u32; 2],
     /// Where the picture is taken from.
     pub camera: Camera,
+    /// What of the volume is not drawn.
+    pub clipping: Clipping,
     /// Entries of the baked table: one of [`crate::transfer::TABLE_SIZES`].
     pub table_entries: usize,
 }
@@ -438,9 +441,12 @@ impl Renderer {
         settings.mode.check()?;
         let sampler = self.sampler(settings);
         let table = self.table(settings, &volume)?;
-        let frame = settings
-            .camera
-            .ray_frame(&volume, settings.size, settings.step_voxels)?;
+        let frame = RayFrame {
+            clipping: settings.clipping,
+            ..settings
+                .camera
+                .ray_frame(&volume, settings.size, settings.step_voxels)?
+        };
         let scene = Scene {
             volume: &volume,
             table: &table,

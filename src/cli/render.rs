@@ -109,13 +109,14 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let volume = args.volume.load()?;
     let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
     let camera = args.scene.camera.camera(&volume, 0.0);
+    let clipping = args.scene.clip.clipping(&volume)?;
     let step = args.step.in_box(volume.extent());
     let progress = Progress::spinner("drawing");
     let mut renderer = Renderer::new(args.backend)?;
     let skip = args.method.unwrap_or_else(|| renderer.default_skip());
     let settings = args
         .scene
-        .settings(skip, mode, args.block, step.voxels, camera);
+        .settings(skip, mode, args.block, step.voxels, camera, clipping);
     renderer.set_volume(volume.clone())?;
     renderer.set_transfer(transfer);
     let preparation = renderer.prepare(&settings)?;
