@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use hollowcast::camera::Orbit;
+use hollowcast::lattice::Clipping;
 use hollowcast::measure::statistics::{Ratio, interleaved, median, paired_ratio};
 use hollowcast::measure::verify::View;
 use hollowcast::mode::Mode;
@@ -101,6 +102,7 @@ fn cases(part: &str) -> Result<Vec<Case>> {
                     cuts: Cuts::default(),
                     sampler: None,
                     mode: Mode::EmissionAbsorption,
+                    clipping: Clipping::NONE,
                     block: 8,
                     step_voxels: *step_voxels,
                     ert: 0.98,

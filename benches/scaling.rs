@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use hollowcast::camera::Orbit;
+use hollowcast::lattice::Clipping;
 use hollowcast::measure::race::{Entrant, Outcome, race};
 use hollowcast::mode::Mode;
 use hollowcast::output::chart::{Chart, Line, Panel};
@@ -146,6 +147,7 @@ fn measure(
                     cuts: Cuts::default(),
                     sampler: None,
                     mode: Mode::EmissionAbsorption,
+                    clipping: Clipping::NONE,
                     block: BLOCK,
                     step_voxels: 0.5,
                     ert: 0.98,

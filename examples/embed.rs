@@ -12,6 +12,7 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use hollowcast::camera::Orbit;
 use hollowcast::gpu::{Gpu, buffer::read_back};
+use hollowcast::lattice::Clipping;
 use hollowcast::mode::Mode;
 use hollowcast::render::{Renderer, Settings, Targets};
 use hollowcast::skip::{Cuts, Skip};
@@ -109,6 +110,7 @@ fn main() -> Result<()> {
         ert: 0.98,
         size: [SIZE; 2],
         camera: Orbit::default().camera(volume.extent()),
+        clipping: Clipping::NONE,
         table_entries: 256,
         cuts: Cuts::default(),
     };

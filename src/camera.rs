@@ -6,7 +6,7 @@
 use glam::{DMat4, DVec3, DVec4};
 
 use crate::error::{Error, Result};
-use crate::lattice::{MAX_SAMPLES_PER_RAY, RayFrame};
+use crate::lattice::{Clipping, MAX_SAMPLES_PER_RAY, RayFrame};
 use crate::volume::Volume;
 
 /// How rays spread.
@@ -205,6 +205,7 @@ impl Camera {
             grid_from_local: 1.0 / volume.voxel_size(),
             step,
             size,
+            clipping: Clipping::NONE,
         };
         if frame.max_samples() > MAX_SAMPLES_PER_RAY {
             return Err(Error::setting(

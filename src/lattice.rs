@@ -8,9 +8,13 @@
 //! The functions here are generic over [`Real`], so that the f64 reference, the scalar twin and the SIMD packets run
 //! the same operations in the same order; `shaders/shared/ray.inc.wgsl` is their twin on the GPU.
 
+mod clipping;
+
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use glam::DVec3;
+
+pub use clipping::{Clipping, MAX_CLIP_PLANES};
 
 /// A number, or a packet of numbers, that rays are computed in.
 ///
@@ -139,6 +143,8 @@ pub struct RayFrame {
     pub step: f64,
     /// Picture width and height in pixels.
     pub size: [u32; 2],
+    /// What is cut off the rays.
+    pub clipping: Clipping,
 }
 
 /// One ray (or one per lane) on its lattice, in grid coordinates.
@@ -178,6 +184,7 @@ pub struct RayBasis<R> {
     grid_from_local: [R; 3],
     step: R,
     centre: [R; 2],
+    clipping: Clipping,
 }
 
 impl RayFrame {
@@ -194,6 +201,7 @@ impl RayFrame {
                 R::splat(f64::from(self.size[0]) * 0.5 - 0.5),
                 R::splat(f64::from(self.size[1]) * 0.5 - 0.5),
             ],
+            clipping: self.clipping,
         }
     }
 
@@ -243,10 +251,25 @@ impl<R: Real> RayBasis<R> {
         let t_box = R::select(missed, zero, t_in);
         let length = R::select(missed, zero, t_out - t_in);
         let half_and_edge = R::splat(0.5 + EDGE);
-        let k_near = ((zero - t_box) / self.step - half_and_edge)
+        let mut k_near = ((zero - t_box) / self.step - half_and_edge)
             .ceil()
             .max(zero);
-        let k_end = (length / self.step - half_and_edge).ceil().max(zero);
+        let mut k_end = (length / self.step - half_and_edge).ceil().max(zero);
+        for plane in self.clipping.planes() {
+            let [nx, ny, nz, distance] = plane.map(R::splat);
+            let height = nx * origin[0] + ny * origin[1] + nz * origin[2] + distance;
+            let along = nx * d[0] + ny * d[1] + nz * d[2];
+            let parallel = along.abs().lt(R::splat(PARALLEL));
+            let t = (zero - height) / R::select(parallel, one, along);
+            let k = ((t - t_box) / self.step - half_and_edge).ceil();
+            // Where the ray passes the plane, one of its sides begins with the sample that the other ends before.
+            let enters = R::select(zero.lt(along), k_near.max(k), k_near);
+            let leaves = R::select(zero.lt(along), k_end, k_end.min(k));
+            let beside = R::select(height.lt(zero), zero, k_end);
+            k_near = R::select(parallel, k_near, enters);
+            k_end = R::select(parallel, beside, leaves).max(zero);
+        }
+        let k_near = k_near.min(k_end);
         let mut entry = [zero; 3];
         let mut delta = [zero; 3];
         for a in 0..3 {
@@ -285,6 +308,7 @@ mod tests {
             grid_from_local: DVec3::ONE,
             step,
             size: [1, 1],
+            clipping: Clipping::NONE,
         }
     }
 
@@ -296,6 +320,39 @@ mod tests {
         assert_eq!((ray.k_near, ray.k_end), (0.0, 16.0));
         assert_eq!(ray.at(0.0), [0.25, 2.0, 2.0]);
         assert_eq!(ray.delta, [0.5, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_clip_plane_and_its_reverse_share_the_samples_out() {
+        let mut frame = frame(DVec3::new(1.0, 0.2, 0.1), DVec3::new(-3.0, 2.0, 2.0), 0.25);
+        let whole = frame.basis::<f64>().ray(0.0, 0.0);
+        let clipped = |normal: DVec3, offset: f64| {
+            let mut frame = frame;
+            frame.clipping.keep(normal, offset).unwrap();
+            frame.basis::<f64>().ray(0.0, 0.0)
+        };
+        // The second plane has a sample on it, which the kept side above takes.
+        for (normal, offset) in [
+            (DVec3::new(1.0, -0.3, 0.2), 3.3),
+            (DVec3::X, whole.at(7.0)[0]),
+        ] {
+            let above = clipped(normal, offset);
+            let below = clipped(-normal, -offset);
+            assert_eq!((above.k_end, below.k_near), (whole.k_end, whole.k_near));
+            assert_eq!(above.k_near, below.k_end);
+            assert_eq!(above.at(9.0), whole.at(9.0));
+            let height = |k: f64| normal.dot(DVec3::from_array(whole.at(k))) - offset;
+            assert!(height(above.k_near) >= -1e-9 && height(above.k_near - 1.0) < 0.0);
+        }
+        // Parallel planes keep all or nothing.
+        frame.dir = DVec3::X;
+        let side = |sign: f64| {
+            let mut frame = frame;
+            frame.clipping.keep(sign * DVec3::Y, sign * 1.0).unwrap();
+            let ray = frame.basis::<f32>().ray(0.0, 0.0);
+            ray.k_end - ray.k_near
+        };
+        assert_eq!((side(1.0), side(-1.0)), (32.0, 0.0));
     }
 
     #[test]

@@ -13,6 +13,7 @@ use crate::camera::Camera;
 use crate::cpu::{self, CpuPlan};
 use crate::error::{Error, Result};
 use crate::gpu::{AdapterKind, Gpu};
+use crate::lattice::{Clipping, RayFrame};
 use crate::mode::Mode;
 use crate::reference;
 use crate::sample::Sampler;
@@ -77,6 +78,8 @@ pub struct Settings {
     pub size: [u32; 2],
     /// Where the picture is taken from.
     pub camera: Camera,
+    /// What of the volume is not drawn.
+    pub clipping: Clipping,
     /// Entries of the baked table: one of [`crate::transfer::TABLE_SIZES`].
     pub table_entries: usize,
 }
@@ -441,11 +444,21 @@ impl Renderer {
         settings.skip.check_backend(self.info.backend)?;
         settings.mode.check_backend(self.info.backend)?;
         settings.mode.check()?;
+        if settings.skip == Skip::Adaptive && !settings.mode.takes_table() {
+            let reason = format!(
+                "adaptive follows the transfer function, of which {} makes no use",
+                settings.mode.name()
+            );
+            return Err(Error::setting("method", reason));
+        }
         let sampler = self.sampler(settings);
         let table = self.table(settings, &volume)?;
-        let frame = settings
-            .camera
-            .ray_frame(&volume, settings.size, settings.step_voxels)?;
+        let frame = RayFrame {
+            clipping: settings.clipping,
+            ..settings
+                .camera
+                .ray_frame(&volume, settings.size, settings.step_voxels)?
+        };
         let scene = Scene {
             volume: &volume,
             table: &table,

@@ -94,6 +94,9 @@ fn bad_input_is_answered_in_one_line_that_names_it_and_with_2() {
             fails(&["render", sphere, "--backend", "cpu", "--mode", "phong"]),
             "emission-absorption",
         ),
+        (into(sphere, &["--clip-box", "5:4,:,:"]), "FROM below TO"),
+        (into(sphere, &["--clip-plane", "1,0,0"]), "four numbers"),
+        (into(sphere, &["--clip-plane", "0,0,0,5"]), "clip plane"),
         (into(sphere, &["--sampler", "guess"]), "exact"),
         (
             fails(&["render", sphere, "--backend", "guess"]),
@@ -119,6 +122,38 @@ fn bad_input_is_answered_in_one_line_that_names_it_and_with_2() {
         assert!(error.starts_with("error: "), "{error}");
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn clipping_follows_voxels_and_tells_where_nothing_is_left() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = path(folder.path(), "p.npy");
+    let draw = |more: &[&str]| {
+        let mut args = vec![
+            "render",
+            "phantom:full:12",
+            "-o",
+            &picture,
+            "--tf",
+            "opaque",
+        ];
+        args.extend(["--camera", "eye=6,6,-50;target=6,6,6;up=0,1,0;ortho=16"]);
+        args.extend(SMALL);
+        args.extend(more);
+        let output = hollowcast(&args);
+        assert!(output.status.success());
+        let (_, numbers) = read_npy(&picture);
+        let seen = numbers.chunks_exact(4).filter(|p| p[3] > 0.0).count();
+        (seen, String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    // 12 voxels are 12 of 16 pixels high.
+    assert_eq!(draw(&[]), (144, String::new()));
+    assert_eq!(draw(&["--clip-box", "3:,:6,:"]), (9 * 6, String::new()));
+    let plane = ["--clip-plane", "0,-1,0,-4"];
+    assert_eq!(draw(&plane), (12 * 4, String::new()));
+    let (seen, errors) = draw(&["--clip-box", ":,:,:5", "--clip-plane", "0,0,1,6"]);
+    assert_eq!(seen, 0);
+    assert!(errors.starts_with("warning: ") && errors.lines().count() == 1);
 }
 
 #[test]

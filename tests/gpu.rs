@@ -4,6 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use hollowcast::camera::{Camera, Orbit, Projection};
+use hollowcast::lattice::Clipping;
 use hollowcast::measure::verify::{self, Verifier, View};
 use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
@@ -52,6 +53,7 @@ fn settings(volume: &Volume, skip: Skip, sampler: Sampler) -> Settings {
         ert: 1.0,
         size: [96, 96],
         camera: Orbit::default().camera(volume.extent()),
+        clipping: Clipping::NONE,
         table_entries: 256,
     }
 }

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
 use hollowcast::camera::{Camera, Orbit, Projection};
+use hollowcast::lattice::Clipping;
 use hollowcast::measure::metrics::metrics;
 use hollowcast::measure::verify::{Case, Verifier, View};
 use hollowcast::mode::{Light, Lighting, MODES, Mode, Outer, Window};
@@ -52,6 +53,7 @@ fn settings(mode: Mode, camera: Camera) -> Settings {
         ert: 1.0,
         size: [80, 72],
         camera,
+        clipping: Clipping::NONE,
         table_entries: 4096,
     }
 }
@@ -254,6 +256,71 @@ fn skipping_changes_no_bit_in_any_mode() {
                     }
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn clipping_is_the_same_for_every_method_and_backend() {
+    let mut renderer = renderer();
+    let mut cpu = Renderer::new(BackendChoice::Cpu).unwrap();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let volume = made("pot");
+    let transfer = show([&mut *renderer, &mut cpu, &mut reference], &volume);
+    let middle = volume.extent() * 0.5;
+    let mut clipping = Clipping::NONE;
+    for (normal, at) in [
+        (DVec3::new(-1.0, 0.3, 0.2), middle),
+        (DVec3::Z, middle * 0.5),
+        (-DVec3::Z, middle * 1.6),
+    ] {
+        clipping.keep(normal, normal.dot(at)).unwrap();
+    }
+    let statistics = Statistics::of(&volume);
+    let mean = Mode::Mean(Window::above_background(&statistics));
+    for mode in [Mode::EmissionAbsorption, mean] {
+        for view in View::ALL {
+            let settings = Settings {
+                clipping,
+                ..settings(mode, view.camera(&volume, &transfer, false))
+            };
+            let truth = reference.render(&settings).unwrap().picture;
+            for renderer in [&mut *renderer, &mut cpu, &mut reference] {
+                let by_box = renderer.render(&Settings {
+                    skip: Skip::Box,
+                    ..settings
+                });
+                let by_box = by_box.unwrap().picture;
+                let error = metrics([(&by_box, &truth)]);
+                assert!(
+                    error.psnr_db() >= 60.0,
+                    "{} {view:?}: {} dB",
+                    renderer.info().backend,
+                    error.psnr_db()
+                );
+                for method in METHODS {
+                    if !renderer.has(method.skip) {
+                        continue;
+                    }
+                    let picture = renderer.render(&Settings {
+                        skip: method.skip,
+                        ..settings
+                    });
+                    assert_eq!(
+                        picture.unwrap().picture.difference(&by_box).pixels,
+                        0,
+                        "{} {} {view:?}",
+                        renderer.info().backend,
+                        method.name
+                    );
+                }
+            }
+            let whole = Settings {
+                clipping: Clipping::NONE,
+                ..settings
+            };
+            let whole = reference.render(&whole).unwrap().picture;
+            assert!(whole.difference(&truth).pixels > 0, "{view:?}");
         }
     }
 }

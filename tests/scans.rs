@@ -6,6 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use hollowcast::lattice::Clipping;
 use hollowcast::measure::metrics::metrics;
 use hollowcast::measure::verify::{self, Verifier, View};
 use hollowcast::mode::Mode;
@@ -65,6 +66,7 @@ fn check(path: &Path, backend: BackendChoice) {
                 ert: 1.0,
                 size: [96, 96],
                 camera: view.camera(&volume, &transfer, is_parallel),
+                clipping: Clipping::NONE,
                 table_entries: 4096,
                 cuts: Cuts::default(),
             };

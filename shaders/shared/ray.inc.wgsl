@@ -41,8 +41,22 @@ fn ray_through(pixel: vec2u) -> Ray {
     var ray: Ray;
     ray.entry = (l.start + t_box * d) * view.grid_from_local;
     ray.delta = d * view.step * view.grid_from_local;
-    ray.k_near = u32(max(ceil(-t_box / view.step - (0.5 + EDGE)), 0.0));
-    ray.k_end = u32(max(ceil(chord / view.step - (0.5 + EDGE)), 0.0));
+    var k_near = max(ceil(-t_box / view.step - (0.5 + EDGE)), 0.0);
+    var k_end = max(ceil(chord / view.step - (0.5 + EDGE)), 0.0);
+    for (var i = 0u; i < view.clip_count; i++) {
+        let plane = view.clip_planes[i];
+        let height = dot(plane.xyz, l.start) + plane.w;
+        let along = dot(plane.xyz, d);
+        let is_parallel = abs(along) < PARALLEL;
+        let t = -height / select(along, 1.0, is_parallel);
+        let k = ceil((t - t_box) / view.step - (0.5 + EDGE));
+        // Where the ray passes the plane, one of its sides begins with the sample that the other ends before.
+        k_near = select(k_near, max(k_near, k), !is_parallel && along > 0.0);
+        k_end = select(k_end, max(min(k_end, k), 0.0), !is_parallel && along < 0.0);
+        k_end = select(k_end, 0.0, is_parallel && height < 0.0);
+    }
+    ray.k_near = u32(min(k_near, k_end));
+    ray.k_end = u32(k_end);
     ray.t_box = t_box;
     ray.length = length;
     return ray;

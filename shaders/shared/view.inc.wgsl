@@ -28,8 +28,11 @@ struct View {
     origin: vec2u,
     // Pixels of this tile.
     size: vec2u,
-    pad4: vec2u,
+    clip_count: u32,
+    pad4: u32,
     clip_from_local: mat4x4f,
+    // Unit normal and distance, local coordinates; what is on the normal's side is drawn.
+    clip_planes: array<vec4f, 12>,
 }
 
 @group(0) @binding(0) var<uniform> view: View;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use hollowcast::Result;
+use hollowcast::lattice::Clipping;
 use hollowcast::measure::compare::{Comparison, Plan, ReferencePlan, Row, compare};
 use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Renderer};
@@ -94,7 +95,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
         .iter()
         .map(|&choice| ready(choice, &volume, &transfer))
         .collect::<Result<Vec<_>>>()?;
-    let plan = args.plan(&volume, mode, &renderers);
+    let clipping = args.scene.clip.clipping(&volume)?;
+    let plan = args.plan(&volume, mode, &clipping, &renderers);
     let comparison = measured(&mut renderers, &volume, &transfer, &plan)?;
     let infos: Vec<BackendInfo> = renderers.iter().map(|r| r.info().clone()).collect();
     for (&choice, info) in args.backends.iter().zip(&infos) {
@@ -188,7 +190,13 @@ pub(super) fn heading(
 }
 
 impl Args {
-    fn plan(&self, volume: &Volume, mode: Mode, renderers: &[Renderer]) -> Plan {
+    fn plan(
+        &self,
+        volume: &Volume,
+        mode: Mode,
+        clipping: &Clipping,
+        renderers: &[Renderer],
+    ) -> Plan {
         let mut methods = self.methods.clone();
         if methods.is_empty() {
             methods = METHODS
@@ -208,9 +216,14 @@ impl Args {
             .iter()
             .map(|s| s.in_box(volume.extent()))
             .collect();
-        let settings =
-            self.scene
-                .settings(Skip::Box, mode, self.blocks[0], steps[0].voxels, views[0]);
+        let settings = self.scene.settings(
+            Skip::Box,
+            mode,
+            self.blocks[0],
+            steps[0].voxels,
+            views[0],
+            clipping,
+        );
         Plan {
             methods,
             blocks: self.blocks.clone(),

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hollowcast::camera::Orbit;
+use hollowcast::lattice::Clipping;
 use hollowcast::measure::compare::{Plan, ReferencePlan, Row};
 use hollowcast::mode::Mode;
 use hollowcast::output::{self, PngEncoding, heat};
@@ -130,6 +131,7 @@ fn plan(volume: &Volume, size: [u32; 2], methods: &[Skip]) -> Plan {
             ert: 0.98,
             size,
             camera: views[0],
+            clipping: Clipping::NONE,
             table_entries: 4096,
         },
         views,

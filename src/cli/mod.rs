@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand; arguments that several take in files of their own.
 
 mod camera;
+mod clip_args;
 mod compare;
 mod demo;
 mod info;

@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use hollowcast::camera::Camera;
+use hollowcast::lattice::Clipping;
 use hollowcast::measure::profile::Profile;
 use hollowcast::measure::statistics::quartiles;
 use hollowcast::mode::Mode;
@@ -125,6 +126,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let volume = args.volume.load()?;
     let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
     let camera = args.scene.camera.camera(&volume, 0.0);
+    let clipping = args.scene.clip.clipping(&volume)?;
     let step = args.step.in_box(volume.extent());
     let progress = Progress::spinner("drawing");
     let backend = profile.map_or(BackendChoice::Auto, |p| p.backend);
@@ -132,7 +134,14 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let mut renderer = Renderer::new(backend)?;
     renderer.set_volume(volume.clone())?;
     renderer.set_transfer(transfer);
-    let settings = args.settings(method, profile.as_ref(), mode, step.voxels, camera);
+    let settings = args.settings(
+        method,
+        profile.as_ref(),
+        mode,
+        step.voxels,
+        camera,
+        &clipping,
+    );
     let settings = match method {
         MethodChoice::Only(_) => settings,
         MethodChoice::Auto => renderer.choose(&settings)?.in_settings(&settings),
@@ -221,6 +230,7 @@ impl Args {
         mode: Mode,
         step_voxels: f64,
         camera: Camera,
+        clipping: &Clipping,
     ) -> Settings {
         let skip = match method {
             MethodChoice::Auto => Skip::Box,
@@ -231,7 +241,9 @@ impl Args {
         let cuts = profile.map_or(Cuts::default(), |p| p.choice.cuts);
         Settings {
             cuts: self.scene.cuts_or(cuts),
-            ..self.scene.settings(skip, mode, block, step_voxels, camera)
+            ..self
+                .scene
+                .settings(skip, mode, block, step_voxels, camera, clipping)
         }
     }
 

@@ -3,6 +3,7 @@
 use clap::Args;
 use hollowcast::Result;
 use hollowcast::camera::Camera;
+use hollowcast::lattice::Clipping;
 use hollowcast::mode::Mode;
 use hollowcast::render::Settings;
 use hollowcast::sample::Sampler;
@@ -11,6 +12,7 @@ use hollowcast::transfer::{PRESETS, TransferFunction};
 use hollowcast::volume::{Statistics, Volume};
 
 use super::camera::{self, CameraSpec};
+use super::clip_args::ClipArgs;
 use super::mode_args::ModeArgs;
 use super::values;
 
@@ -30,6 +32,9 @@ pub(super) struct SceneArgs {
 
     #[command(flatten)]
     pub(super) mode: ModeArgs,
+
+    #[command(flatten)]
+    pub(super) clip: ClipArgs,
 
     /// How one sample is taken [default: hardware on a hardware adapter, else exact]
     #[arg(long, value_parser = values::named(Sampler::ALL, Sampler::name))]
@@ -65,6 +70,7 @@ impl SceneArgs {
         block: usize,
         step_voxels: f64,
         camera: Camera,
+        clipping: &Clipping,
     ) -> Settings {
         Settings {
             skip,
@@ -76,6 +82,7 @@ impl SceneArgs {
             ert: self.ert,
             size: self.size,
             camera,
+            clipping: *clipping,
             table_entries: self.table_size,
         }
     }

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use hollowcast::lattice::Clipping;
 use hollowcast::measure::compare::NamedStep;
 use hollowcast::measure::profile::Profile;
 use hollowcast::measure::tune::{Auto, Plan, Row, Tuning, tune};
@@ -103,13 +104,14 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     let volume = args.volume.load()?;
     let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
+    let clipping = args.scene.clip.clipping(&volume)?;
     let mut renderers = args
         .backends
         .iter()
         .map(|&choice| ready(choice, &volume, &transfer))
         .collect::<Result<Vec<_>>>()?;
     let step = args.step.in_box(volume.extent());
-    let plan = args.plan(&volume, mode, &step);
+    let plan = args.plan(&volume, mode, &clipping, &step);
     let progress = Progress::bar(if args.sweep.is_some() {
         "sweeping"
     } else {
@@ -174,7 +176,7 @@ impl Args {
         self.output.clone().unwrap_or_else(beside)
     }
 
-    fn plan(&self, volume: &Volume, mode: Mode, step: &NamedStep) -> Plan {
+    fn plan(&self, volume: &Volume, mode: Mode, clipping: &Clipping, step: &NamedStep) -> Plan {
         let blocks: &[usize] = match (&self.blocks[..], &self.sweep) {
             ([], Some(_)) => &scene_args::BLOCKS,
             ([], None) => &BLOCKS,
@@ -184,9 +186,14 @@ impl Args {
         Plan {
             blocks: blocks.to_vec(),
             cuts: self.sweep.is_none(),
-            settings: self
-                .scene
-                .settings(Skip::Box, mode, blocks[0], step.voxels, views[0]),
+            settings: self.scene.settings(
+                Skip::Box,
+                mode,
+                blocks[0],
+                step.voxels,
+                views[0],
+                clipping,
+            ),
             views,
             rounds: self.repeat as usize,
         }

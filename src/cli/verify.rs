@@ -89,7 +89,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
         args.scene.cuts(),
         args.scene.size,
     )
-    .with_mode(mode);
+    .with_mode(mode)
+    .with_clipping(args.scene.clip.clipping(&volume)?);
     if !args.methods.is_empty() {
         verifier = verifier.with_methods(args.methods.clone());
     }

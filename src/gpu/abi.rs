@@ -26,8 +26,10 @@ pub struct View {
     pub centre: [f32; 2],
     pub origin: [u32; 2],
     pub size: [u32; 2],
-    pub pad4: [u32; 2],
+    pub clip_count: u32,
+    pub pad4: u32,
     pub clip_from_local: [[f32; 4]; 4],
+    pub clip_planes: [[f32; 4]; 12],
 }
 
 /// `MarchSettings` in `shaders/shared/march_settings.inc.wgsl`.
@@ -134,7 +136,8 @@ mod tests {
     #[test]
     fn structs_are_what_the_shaders_read() {
         mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, pad1,
-            extent, pad2, grid_from_local, pad3, centre, origin, size, pad4, clip_from_local);
+            extent, pad2, grid_from_local, pad3, centre, origin, size, clip_count, pad4,
+            clip_from_local, clip_planes);
         mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
             tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, takes_runs,
             block_dims, ray_words);

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::camera::{Camera, Orbit, Projection};
 use crate::error::Result;
+use crate::lattice::Clipping;
 use crate::mode::Mode;
 use crate::render::{Renderer, Settings};
 use crate::sample::Sampler;
@@ -210,6 +211,7 @@ pub struct Verifier<'a> {
     /// What is compared with box.
     methods: Vec<Skip>,
     mode: Mode,
+    clipping: Clipping,
     cuts: Cuts,
     size: [u32; 2],
     /// The last case's picture by box, which does not depend on the block.
@@ -236,6 +238,7 @@ impl<'a> Verifier<'a> {
             transfer,
             methods,
             mode: Mode::EmissionAbsorption,
+            clipping: Clipping::NONE,
             cuts,
             size,
             by_box: None,
@@ -254,6 +257,12 @@ impl<'a> Verifier<'a> {
         Self { mode, ..self }
     }
 
+    /// Draws what these planes leave.
+    #[must_use]
+    pub fn with_clipping(self, clipping: Clipping) -> Self {
+        Self { clipping, ..self }
+    }
+
     /// Draws a case with every method, and compares with box.
     ///
     /// # Errors
@@ -270,6 +279,7 @@ impl<'a> Verifier<'a> {
             camera: case
                 .view
                 .camera(self.volume, self.transfer, case.is_parallel),
+            clipping: self.clipping,
             table_entries: 256,
             cuts: self.cuts,
         };

@@ -218,6 +218,11 @@ impl Mode {
         self.row().name
     }
 
+    /// Whether it looks samples up in the transfer function's table.
+    pub fn takes_table(&self) -> bool {
+        matches!(self, Self::EmissionAbsorption | Self::Shaded(_))
+    }
+
     /// Whether a block whose samples have table coordinates in `range` can contribute to any picture in this mode.
     ///
     /// `false` must mean that every sample of the block contributes exactly nothing.

@@ -11,6 +11,7 @@ use glam::DVec3;
 use super::{Renderer, Settings, cache};
 use crate::camera::Orbit;
 use crate::error::Result;
+use crate::lattice::Clipping;
 use crate::mode::Mode;
 use crate::sample::Sampler;
 use crate::skip::{Cuts, METHODS, Method, Skip};
@@ -93,6 +94,7 @@ fn check(renderer: &mut Renderer) -> Result<Vec<Skip>> {
                     ..Orbit::default()
                 }
                 .camera(volume.extent() - DVec3::splat(0.3)),
+                clipping: Clipping::NONE,
                 table_entries: 256,
             };
             let picture = renderer.render(&settings)?.picture;

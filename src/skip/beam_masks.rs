@@ -455,6 +455,7 @@ mod tests {
             grid_from_local: glam::DVec3::ONE,
             step: 1.0,
             size: [8, 8],
+            clipping: crate::lattice::Clipping::NONE,
         };
         let mut runs = TileRuns::default();
         BeamMasks::new(occupancy).find(&frame, 0..8, 0..8, Collapse::Runs, &mut runs);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 use proptest::prelude::*;
 
-use crate::lattice::{Ray, RayFrame};
+use crate::lattice::{Clipping, Ray, RayFrame};
 use crate::octree::Occupancy;
 
 /// Random blocks seen from somewhere.
@@ -81,6 +81,7 @@ pub(crate) fn scenes() -> impl Strategy<Value = SkipScene> {
                     grid_from_local: 1.0 / size,
                     step,
                     size: [7, 5],
+                    clipping: Clipping::NONE,
                 };
                 SkipScene { occupancy, frame }
             },

@@ -180,6 +180,7 @@ fn measure(renderer: &mut Renderer, sampler: Sampler, methods: &[Skip]) -> Resul
         renderer.set_transfer(probe.transfer()?);
         let Choice { skip, block, cuts } = Choice::BOX;
         let settings = Settings {
+            clipping: crate::lattice::Clipping::NONE,
             skip,
             cuts,
             sampler: Some(sampler),

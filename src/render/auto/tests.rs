@@ -11,6 +11,7 @@ fn ready(spec: &str) -> (Renderer, Settings) {
         TransferFunction::from_spec("ramp:40:255:0.3", &Statistics::of(&volume)).unwrap();
     let mut renderer = Renderer::new(BackendChoice::Reference).unwrap();
     let settings = Settings {
+        clipping: crate::lattice::Clipping::NONE,
         sampler: None,
         mode: Mode::EmissionAbsorption,
         step_voxels: 0.5,
@@ -76,6 +77,7 @@ fn a_choice_holds_until_something_changes_and_a_turning_camera_builds_nothing() 
     assert_eq!(renderer.choose(&settings).unwrap(), choice);
     // Method, block and cuts of the settings are not read.
     let other = Settings {
+        clipping: crate::lattice::Clipping::NONE,
         skip: Skip::Hull,
         block: 32,
         ..settings

@@ -9,6 +9,7 @@ use super::{Job, Piece};
 use crate::camera::Projection;
 use crate::gpu::abi::{MarchSettings, ModeSettings, View};
 use crate::gpu::texture::VolumeTexture;
+use crate::lattice::MAX_CLIP_PLANES;
 use crate::mode::{Light, Parameters, surface};
 
 pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch) -> MarchSettings {
@@ -91,6 +92,10 @@ pub(super) fn view_of(job: &Job, piece: &Piece, clip_from_local: &glam::DMat4) -
     );
     // Rays start at most a thousandth of the box before it; grown faces stick out a little.
     let depth = frame.extent.length() * 1.01 + 2.0 * grow_of(job);
+    let mut clip_planes = [[0.0; 4]; MAX_CLIP_PLANES];
+    for (plane, clip) in clip_planes.iter_mut().zip(frame.clipping.planes()) {
+        *plane = clip.map(|c| c as f32);
+    }
     View {
         start: v(frame.start),
         step: frame.step as f32,
@@ -111,8 +116,10 @@ pub(super) fn view_of(job: &Job, piece: &Piece, clip_from_local: &glam::DMat4) -
         centre: frame.size.map(|n| (f64::from(n) * 0.5 - 0.5) as f32),
         origin: piece.origin,
         size: piece.size,
-        pad4: [0; 2],
+        clip_count: frame.clipping.planes().len() as u32,
+        pad4: 0,
         clip_from_local: (zoom * *clip_from_local).as_mat4().to_cols_array_2d(),
+        clip_planes,
     }
 }
 
