@@ -98,7 +98,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         .map(|&choice| ready(choice, &volume, &transfer))
         .collect::<Result<Vec<_>>>()?;
     let clipping = args.scene.clip.clipping(&volume)?;
-    let plan = args.plan(&volume, mode, clipping, &renderers);
+    let plan = args.plan(&volume, mode, &clipping, &renderers);
     let comparison = measured(&mut renderers, &volume, &transfer, &plan)?;
     let infos: Vec<BackendInfo> = renderers.iter().map(|r| r.info().clone()).collect();
     for (&choice, info) in args.backends.iter().zip(&infos) {
@@ -192,7 +192,7 @@ impl Args {
         &self,
         volume: &Volume,
         mode: Mode,
-        clipping: Clipping,
+        clipping: &Clipping,
         renderers: &[Renderer],
     ) -> Plan {
         let mut methods = self.methods.clone();

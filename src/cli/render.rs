@@ -116,7 +116,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let skip = args.method.unwrap_or_else(|| renderer.default_skip());
     let settings = args
         .scene
-        .settings(skip, mode, args.block, step.voxels, camera, clipping);
+        .settings(skip, mode, args.block, step.voxels, camera, &clipping);
     renderer.set_volume(volume.clone())?;
     renderer.set_transfer(transfer);
     let preparation = renderer.prepare(&settings)?;

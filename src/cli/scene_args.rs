@@ -69,7 +69,7 @@ impl SceneArgs {
         block: usize,
         step_voxels: f64,
         camera: Camera,
-        clipping: Clipping,
+        clipping: &Clipping,
     ) -> Settings {
         Settings {
             skip,
@@ -81,7 +81,7 @@ impl SceneArgs {
             ert: self.ert,
             size: self.size,
             camera,
-            clipping,
+            clipping: *clipping,
             table_entries: self.table_size,
         }
     }
