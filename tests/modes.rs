@@ -557,6 +557,60 @@ fn grey_of_homogeneous_matter_has_the_opacity_of_its_chord_at_any_step() {
 }
 
 #[test]
+fn a_picture_in_many_dispatches_is_finished_once() {
+    // So many samples that the march stops, stores its state and goes on; rays that are done must be left alone.
+    let mut renderer = renderer();
+    let volume = Arc::new(phantom::make("full", [24; 3]).unwrap());
+    show([&mut *renderer], &volume);
+    let middle = volume.extent() * 0.5;
+    let camera = Camera {
+        eye: middle - DVec3::X * 100.0,
+        target: middle,
+        up: DVec3::Z,
+        projection: Projection::Orthographic { height: 16.0 },
+    };
+    let window = Window {
+        low: 0.0,
+        high: 400.0,
+    };
+    let two = Mode::TwoSurfaces {
+        outer: Outer {
+            iso: 100.0,
+            color: [1.0, 0.0, 0.0],
+            opacity: 0.25,
+        },
+        iso: 150.0,
+        color: [0.0, 1.0, 0.0],
+        lighting: Lighting {
+            ambient: 0.25,
+            diffuse: 0.25,
+            specular: 0.0,
+            ..Lighting::default()
+        },
+    };
+    for (mode, expected) in [
+        (Mode::Mean(window), [0.5; 4]),
+        (two, [0.25, 0.375, 0.0, 1.0]),
+    ] {
+        for skip in [Skip::Box, Skip::BeamMasks] {
+            let picture = renderer.render(&Settings {
+                skip,
+                step_voxels: 24.0 / 60_000.0,
+                size: [8, 8],
+                ..settings(mode, camera)
+            });
+            for pixel in picture.unwrap().picture.rgba {
+                let is_near = pixel
+                    .iter()
+                    .zip(expected)
+                    .all(|(a, b)| (a - b).abs() < 1e-6);
+                assert!(is_near, "{mode:?} {skip:?}: {pixel:?}, not {expected:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_surface_beyond_all_data_is_an_empty_picture() {
     let mut renderer = renderer();
     let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
