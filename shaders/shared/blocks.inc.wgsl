@@ -31,16 +31,10 @@ fn block_byte(block: vec3f) -> u32 {
 // How many samples on from the one at `at` are certain to lie less than `distance` blocks from `block`, which it lies in;
 // that one included. Twin of distance_map::leap.
 fn leap(ray: Ray, at: vec3f, block: vec3f, distance: f32) -> u32 {
-    return samples_before(ray, at, block, distance, REACH);
-}
-
-// The samples from the one at `at` on that lie before the face `distance` blocks ahead of where `block` begins, or less
-// than `reach` voxels behind it; at least 1.
-fn samples_before(ray: Ray, at: vec3f, block: vec3f, distance: f32, reach: f32) -> u32 {
     let parallel = ray.delta == vec3f(0.0);
     let face = select(
-        (block + 1.0 - distance) * view.block - reach,
-        (block + distance) * view.block + reach,
+        (block + 1.0 - distance) * view.block - REACH,
+        (block + distance) * view.block + REACH,
         vec3f(0.0) < ray.delta,
     );
     let samples = select((face - at) / select(ray.delta, vec3f(1.0), parallel), vec3f(1e30), parallel);

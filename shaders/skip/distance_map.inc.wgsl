@@ -11,14 +11,11 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
     return Segment(0u);
 }
 
-// From sample k on: the samples of its block where that is active, otherwise an empty segment after the leap.
+// From sample k on: the sample itself where its block is active, otherwise an empty segment after the leap.
 fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
     let at = lattice(ray, k);
     let block = block_at(at);
     let distance = block_byte(block);
-    let is_active = distance == 0u;
-    let reach = select(REACH, 0.0, is_active);
-    let samples = samples_before(ray, at, block, f32(max(distance, 1u)), reach);
-    let next = min(k, ray.k_end) + samples;
-    return select(vec2u(next), vec2u(k, min(next, ray.k_end)), is_active);
+    let next = min(k, ray.k_end) + select(leap(ray, at, block, f32(distance)), 0u, distance == 0u);
+    return vec2u(next, next + select(0u, 1u, distance == 0u));
 }
