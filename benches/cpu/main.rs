@@ -144,6 +144,10 @@ fn main() -> Result<()> {
         }
         if parts == STEPS_OF_EDGE[0] && arguments.variants {
             panels = variants(arguments.rounds, &volume, &table, &occupancy, &frames)?;
+            // Beside what gathers alone would cost: what a sample of each method does.
+            if let Some(limits) = panels.last_mut() {
+                limits.lines.extend(measured(&plans, &times, &costs));
+            }
         }
     }
     println!("wall time = fixed + cost of a sample x samples, over the steps:");
@@ -181,6 +185,20 @@ fn main() -> Result<()> {
         chart.write(&folder.join("cpu.png"))?;
     }
     Ok(())
+}
+
+/// Processor time of a sample, by method, over all working sets alike.
+fn measured(plans: &[CpuPlan], times: &[Times], costs: &[Vec<[f64; 2]>]) -> Vec<Line> {
+    let rows = plans.iter().zip(times).zip(costs);
+    rows.filter_map(|((plan, ms), costs)| {
+        let [samples, _] = costs.last()?;
+        let ns = ms.mean_cpu() * 1e6 / (samples * pixels());
+        Some(Line {
+            name: plan.skip().method().name.to_owned(),
+            points: vec![[f64::from(1 << 14), ns], [f64::from(1 << 24), ns]],
+        })
+    })
+    .collect()
 }
 
 fn pixels() -> f64 {
@@ -291,7 +309,7 @@ fn variants(
         println!("  plan {}: {times}", skip.method().name);
     }
     let mut limit_panel = limit_panel(volume, panel("working set, bytes", "ns a sample, a thread"));
-    limit_panel.y_label.push_str(" (gathers alone)");
+    limit_panel.y_label.push_str(": limits and measured");
     Ok(vec![tile_panel, thread_panel, limit_panel])
 }
 
