@@ -267,7 +267,7 @@ fn draw<O: Pixel>(
         return Err(Error::setting(
             "sampler",
             format!(
-                "{} needs a graphics adapter; the CPU backend has exact",
+                "the CPU backend does not have {}; it has exact",
                 scene.sampler.name()
             ),
         ));

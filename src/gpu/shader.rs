@@ -28,6 +28,7 @@ shaders![
     "mode/two_surfaces.inc",
     "sample/exact.inc",
     "sample/hardware.inc",
+    "sample/nearest.inc",
     "sample/post.inc",
     "shared/march_settings.inc",
     "shared/mode_settings.inc",
