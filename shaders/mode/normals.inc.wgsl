@@ -16,6 +16,6 @@ fn mode_finish(state: vec4f, ray: Ray) -> vec4f {
     if state.a == 0.0 {
         return vec4f(0.0);
     }
-    let normal = normal_at(crossing(ray, u32(state.x), mode.iso), to_eye(ray));
+    let normal = surface_normal(ray, u32(state.x), to_eye(ray));
     return vec4f(0.5 + 0.5 * normal, 1.0);
 }

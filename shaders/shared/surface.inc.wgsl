@@ -9,12 +9,9 @@ fn is_inside(x: f32, iso: f32) -> bool {
 }
 
 // Where the interpolated field comes to `iso` between sample k, which is inside, and the one before, which is not, to
-// 2^-11 of a step. A ray that begins inside has no crossing: sample k itself.
+// 2^-11 of a step.
 fn crossing(ray: Ray, k: u32, iso: f32) -> vec3f {
     let at = lattice(ray, k);
-    if k <= ray.k_near {
-        return at;
-    }
     // In steps before sample k.
     var inside = 0.0;
     var outside = 1.0;
@@ -42,11 +39,13 @@ fn to_eye(ray: Ray) -> vec3f {
     return back / sqrt(dot(back, back));
 }
 
-// The normal of matter at `at`: towards less; towards the eye where the data have no gradient.
-fn normal_at(at: vec3f, eye: vec3f) -> vec3f {
-    let g = gradient(at);
+// The normal of the (inner) surface where the ray comes to it before sample k: towards less. Towards the eye where the data
+// have no gradient, and where the ray begins inside: there it meets no surface but a cut.
+fn surface_normal(ray: Ray, k: u32, eye: vec3f) -> vec3f {
+    let g = gradient(crossing(ray, k, mode.iso));
     let length = sqrt(dot(g, g));
-    return select(-g / max(length, 1e-20), eye, length <= mode.least_gradient);
+    let is_cut = k <= ray.k_near;
+    return select(-g / max(length, 1e-20), eye, is_cut || length <= mode.least_gradient);
 }
 
 // What a surface sends to the eye of light that is as bright as 1: the factor of its colour, and the highlight (Blinn
@@ -63,6 +62,6 @@ fn reflected(normal: vec3f, eye: vec3f) -> vec2f {
 // The (inner) surface's colour, lit, where the ray comes to it before sample k.
 fn lit_surface(ray: Ray, k: u32) -> vec3f {
     let eye = to_eye(ray);
-    let light = reflected(normal_at(crossing(ray, k, mode.iso), eye), eye);
+    let light = reflected(surface_normal(ray, k, eye), eye);
     return mode.color * light.x + light.y;
 }

@@ -273,7 +273,7 @@ fn draw<O: Pixel>(
         return Err(Error::setting(
             "sampler",
             format!(
-                "{} needs a graphics adapter; the CPU backend has exact",
+                "the CPU backend does not have {}; it has exact",
                 scene.sampler.name()
             ),
         ));

@@ -30,6 +30,7 @@ shaders![
     "mode/two_surfaces.inc",
     "sample/exact.inc",
     "sample/hardware.inc",
+    "sample/nearest.inc",
     "sample/post.inc",
     "shared/blocks.inc",
     "shared/march_settings.inc",

@@ -118,6 +118,12 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
                 ];
                 (trilinear(corners, [x.2, y.2, z.2]) - self.origin) * self.scale
             }
+            Sampler::Nearest => {
+                let voxel = |a: usize| (at[a].floor() as i32).clamp(0, self.dims[a] as i32 - 1);
+                let [x, y, z] = [voxel(0), voxel(1), voxel(2)].map(|i| i as usize);
+                let stored: f64 = self.voxels[(z * self.dims[1] + y) * self.dims[0] + x].into();
+                (stored - self.origin) * self.scale
+            }
         }
     }
 

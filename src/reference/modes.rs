@@ -39,7 +39,7 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
             Mode::Normals { .. } => {
                 let is_hit = p.is_inside(x, p.iso);
                 if is_hit {
-                    let normal = self.normal(self.crossing(ray, k), self.to_eye(ray));
+                    let normal = self.surface_normal(ray, k, self.to_eye(ray));
                     let [r, g, b] = normal.map(|c| 0.5 + 0.5 * c);
                     *state = [r, g, b, 1.0];
                 }
@@ -112,7 +112,7 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
     /// The (inner) surface's colour, lit, where the ray comes to it before sample `k`.
     fn lit_surface(&self, ray: &Ray<f64>, k: f64) -> [f64; 3] {
         let to_eye = self.to_eye(ray);
-        let normal = self.normal(self.crossing(ray, k), to_eye);
+        let normal = self.surface_normal(ray, k, to_eye);
         let [diffuse, gloss] = self.parameters.lighting.reflected(normal, to_eye);
         self.parameters.color.map(|c| c * diffuse + gloss)
     }
@@ -120,9 +120,6 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
     /// Where the field comes to the surface between sample `k`, which is inside, and the one before.
     fn crossing(&self, ray: &Ray<f64>, k: f64) -> [f64; 3] {
         let p = &self.parameters;
-        if k <= ray.k_near {
-            return ray.at(k);
-        }
         let (mut inside, mut outside) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (inside + outside);
@@ -135,9 +132,14 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
         ray.at(k - 0.5 * (inside + outside))
     }
 
-    /// The normal of matter at `at`; towards the eye where the data have no gradient.
-    fn normal(&self, at: [f64; 3], to_eye: [f64; 3]) -> [f64; 3] {
-        surface::normal(self.gradient(at), self.parameters.least_gradient).unwrap_or(to_eye)
+    /// The normal of the (inner) surface where the ray comes to it before sample `k`: towards less. Towards the eye where
+    /// the data have no gradient, and where the ray begins inside: there it meets no surface but a cut.
+    fn surface_normal(&self, ray: &Ray<f64>, k: f64, to_eye: [f64; 3]) -> [f64; 3] {
+        if k <= ray.k_near {
+            return to_eye;
+        }
+        let gradient = self.gradient(self.crossing(ray, k));
+        surface::normal(gradient, self.parameters.least_gradient).unwrap_or(to_eye)
     }
 
     /// Central differences over two voxels, per local unit, of data values (in units of the table).

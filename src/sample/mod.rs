@@ -12,24 +12,28 @@ pub enum Sampler {
     Hardware,
     /// Eight loads and f32 interpolation.
     Exact,
+    /// The voxel that the sample lies in: no interpolation.
+    Nearest,
 }
 
 impl Sampler {
     /// All samplers.
-    pub const ALL: &[Self] = &[Self::Hardware, Self::Exact];
+    pub const ALL: &[Self] = &[Self::Hardware, Self::Exact, Self::Nearest];
 
     /// The name used by flags, files and shaders.
     pub fn name(self) -> &'static str {
         match self {
             Self::Hardware => "hardware",
             Self::Exact => "exact",
+            Self::Nearest => "nearest",
         }
     }
 
     /// Voxels that a sample may touch beyond those of the (closed) block that it lies in, on each side.
     pub fn apron(self) -> usize {
         match self {
-            Self::Hardware | Self::Exact => 1,
+            // A sample up to half a voxel outside its block is the block's too, and lies in a voxel next to it.
+            Self::Hardware | Self::Exact | Self::Nearest => 1,
         }
     }
 }

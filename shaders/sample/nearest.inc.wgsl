@@ -1,0 +1,10 @@
+// The voxel that the sample lies in. Twin of sample::Sampler::Nearest.
+
+@group(0) @binding(5) var volume: texture_3d<f32>;
+@group(0) @binding(6) var volume_filter: sampler;
+
+fn sample_x(grid: vec3f) -> f32 {
+    let voxel = clamp(floor(grid), vec3f(0.0), settings.dims - 1.0);
+    let raw = textureLoad(volume, vec3i(voxel), 0).x;
+    return (raw - settings.raw_origin) * settings.x_scale;
+}
