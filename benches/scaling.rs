@@ -10,6 +10,7 @@ use anyhow::{Context, Result};
 use hollowcast::camera::Orbit;
 use hollowcast::lattice::Clipping;
 use hollowcast::measure::race::{Entrant, Outcome, race};
+use hollowcast::measure::statistics::line_through;
 use hollowcast::mode::Mode;
 use hollowcast::output::chart::{Chart, Line, Panel};
 use hollowcast::render::{BackendChoice, Renderer, Settings};
@@ -184,12 +185,5 @@ fn measure(
 /// Slope of log y over log x.
 fn exponent(points: &[[f64; 2]]) -> f64 {
     let logs: Vec<[f64; 2]> = points.iter().map(|p| p.map(f64::ln)).collect();
-    let n = logs.len() as f64;
-    let mean = [0, 1].map(|i| logs.iter().map(|p| p[i]).sum::<f64>() / n);
-    let sum = |f: fn([f64; 2]) -> f64| -> f64 {
-        logs.iter()
-            .map(|p| f([p[0] - mean[0], p[1] - mean[1]]))
-            .sum()
-    };
-    sum(|[x, y]| x * y) / sum(|[x, _]| x * x)
+    line_through(&logs)[1]
 }

@@ -16,6 +16,7 @@ use anyhow::{Context, Result};
 use hollowcast::camera::Orbit;
 use hollowcast::cpu::{self, CpuPlan, Path};
 use hollowcast::lattice::RayFrame;
+use hollowcast::measure::statistics::line_through;
 use hollowcast::mode::Mode;
 use hollowcast::octree::{Accelerator, Occupancy};
 use hollowcast::output::chart::{Chart, Line, Panel};
@@ -221,18 +222,6 @@ fn work_per_pixel(
         sums[2] += counters.skip_steps;
     }
     Ok(sums.map(|n| n as f64 / (pixels() * frames.len() as f64)))
-}
-
-/// The line nearest to `[x, y]` in the least squares' sense: its height at 0 and its slope.
-fn line_through(points: &[[f64; 2]]) -> [f64; 2] {
-    let n = points.len() as f64;
-    let mean = [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / n);
-    let sum = |f: fn([f64; 2]) -> f64| -> f64 {
-        let centred = points.iter().map(|p| f([p[0] - mean[0], p[1] - mean[1]]));
-        centred.sum()
-    };
-    let slope = sum(|[x, y]| x * y) / sum(|[x, _]| x * x);
-    [mean[1] - slope * mean[0], slope]
 }
 
 /// Threads, tile sizes, instructions, fixed cost, preparation and limits at the finest step; charts of the first two and

@@ -33,6 +33,8 @@ shaders![
     "sample/nearest.inc",
     "sample/post.inc",
     "shared/blocks.inc",
+    "shared/first_hit.inc",
+    "shared/highest.inc",
     "shared/march_settings.inc",
     "shared/mode_settings.inc",
     "shared/ray.inc",

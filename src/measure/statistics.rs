@@ -103,6 +103,18 @@ impl SplitMix {
     }
 }
 
+/// The line nearest to `[x, y]` in the least squares' sense: its height at 0 and its slope.
+pub fn line_through(points: &[[f64; 2]]) -> [f64; 2] {
+    let n = points.len() as f64;
+    let mean = [0, 1].map(|i| points.iter().map(|p| p[i]).sum::<f64>() / n);
+    let sum = |f: fn([f64; 2]) -> f64| -> f64 {
+        let centred = points.iter().map(|p| f([p[0] - mean[0], p[1] - mean[1]]));
+        centred.sum()
+    };
+    let slope = sum(|[x, y]| x * y) / sum(|[x, _]| x * x);
+    [mean[1] - slope * mean[0], slope]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -173,5 +185,12 @@ mod tests {
     fn every_contestant_runs_once_per_round() {
         let order: Vec<_> = interleaved(3, 2).collect();
         assert_eq!(order, [0, 1, 2, 0, 1, 2]);
+    }
+
+    #[test]
+    fn a_line_goes_through_its_own_points() {
+        let points = [1.0, 2.0, 5.0].map(|x| [x, 3.0 - 0.5 * x]);
+        let [height, slope] = line_through(&points);
+        assert!((height - 3.0).abs() < 1e-12 && (slope + 0.5).abs() < 1e-12);
     }
 }
