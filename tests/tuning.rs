@@ -67,9 +67,10 @@ fn auto_is_the_default_and_draws_the_same_bytes_as_box() {
         let base = render(folder, POT, &[&on[..], &["--method", "box"]].concat());
         assert_eq!(base["method"], "box");
         assert!(fs::read(folder.join("p.npy")).unwrap() == drawn);
-        let full = render(folder, "phantom:full:32", &on);
-        assert_eq!(full["method"], "box");
     }
+    // The reference's costs are assumed; a calibration's noise could decide where nothing is to be gained.
+    let full = render(folder, "phantom:full:32", &["--backend", "reference"]);
+    assert_eq!(full["method"], "box");
     let words = succeeds(folder, &["render", POT, "-o", "p.npy", "--size", "8"]);
     assert!(words.contains("auto: "), "{words}");
 }
