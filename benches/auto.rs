@@ -10,12 +10,9 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use hollowcast::camera::Orbit;
-use hollowcast::lattice::Clipping;
 use hollowcast::measure::statistics::{Ratio, interleaved, median, paired_ratio};
 use hollowcast::measure::verify::View;
-use hollowcast::mode::Mode;
 use hollowcast::render::{BLOCKS, BackendChoice, Choice, Renderer, Settings};
-use hollowcast::skip::{Cuts, Skip};
 use hollowcast::transfer::TransferFunction;
 use hollowcast::volume::{self, Statistics, Volume};
 
@@ -98,17 +95,9 @@ fn cases(part: &str) -> Result<Vec<Case>> {
                     _ => View::Cavity.camera(&volume, &transfer, false),
                 };
                 let settings = Settings {
-                    skip: Skip::Box,
-                    cuts: Cuts::default(),
-                    sampler: None,
-                    mode: Mode::EmissionAbsorption,
-                    clipping: Clipping::NONE,
-                    block: 8,
                     step_voxels: *step_voxels,
-                    ert: 0.98,
                     size: SIZE,
-                    camera,
-                    table_entries: 4096,
+                    ..Settings::new(camera)
                 };
                 cases.push(Case {
                     name,

@@ -8,13 +8,11 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use hollowcast::camera::Orbit;
-use hollowcast::lattice::Clipping;
 use hollowcast::measure::race::{Entrant, Outcome, race};
 use hollowcast::measure::statistics::line_through;
-use hollowcast::mode::Mode;
 use hollowcast::output::chart::{Chart, Line, Panel};
 use hollowcast::render::{BackendChoice, Renderer, Settings};
-use hollowcast::skip::{Cuts, METHODS, Skip};
+use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::TransferFunction;
 use hollowcast::volume::{self, Statistics};
 
@@ -145,20 +143,16 @@ fn measure(
             views: [30.0, 120.0]
                 .map(|azimuth_degrees| Settings {
                     skip,
-                    cuts: Cuts::default(),
-                    sampler: None,
-                    mode: Mode::EmissionAbsorption,
-                    clipping: Clipping::NONE,
                     block: BLOCK,
-                    step_voxels: 0.5,
-                    ert: 0.98,
                     size: [pixels; 2],
-                    camera: Orbit {
-                        azimuth_degrees,
-                        ..Orbit::default()
-                    }
-                    .camera(extent),
                     table_entries: 256,
+                    ..Settings::new(
+                        Orbit {
+                            azimuth_degrees,
+                            ..Orbit::default()
+                        }
+                        .camera(extent),
+                    )
                 })
                 .to_vec(),
         })

@@ -12,10 +12,8 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use hollowcast::camera::Orbit;
 use hollowcast::gpu::{Gpu, buffer::read_back};
-use hollowcast::lattice::Clipping;
-use hollowcast::mode::Mode;
 use hollowcast::render::{Renderer, Settings, Targets};
-use hollowcast::skip::{Cuts, Skip};
+use hollowcast::skip::Skip;
 use hollowcast::transfer::{ControlPoint, TransferFunction};
 use hollowcast::volume::phantom;
 
@@ -103,16 +101,8 @@ fn main() -> Result<()> {
     )?);
     let settings = Settings {
         skip: Skip::HalfSplit,
-        sampler: None,
-        mode: Mode::EmissionAbsorption,
-        block: 8,
-        step_voxels: 0.5,
-        ert: 0.98,
         size: [SIZE; 2],
-        camera: Orbit::default().camera(volume.extent()),
-        clipping: Clipping::NONE,
-        table_entries: 256,
-        cuts: Cuts::default(),
+        ..Settings::new(Orbit::default().camera(volume.extent()))
     };
     let targets = Targets {
         color: &color_view,

@@ -19,7 +19,7 @@ use crate::reference;
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Picture, Progress, Scene};
 use crate::skip::{Cuts, Plan, Skip};
-use crate::transfer::{Domain, Table, TransferFunction};
+use crate::transfer::{Domain, TABLE_SIZES, Table, TransferFunction};
 use crate::volume::{Volume, statistics};
 
 use self::auto::Chooser;
@@ -82,6 +82,26 @@ pub struct Settings {
     pub clipping: Clipping,
     /// Entries of the baked table: one of [`crate::transfer::TABLE_SIZES`].
     pub table_entries: usize,
+}
+
+impl Settings {
+    /// The bounding box in emission and absorption, half a voxel a step, stopped at an opacity of 0.98, on 512x512 pixels
+    /// and through a table of 4,096 entries: what the command takes where nothing is said, before `auto` chooses.
+    pub fn new(camera: Camera) -> Self {
+        Self {
+            skip: Skip::Box,
+            cuts: Cuts::default(),
+            sampler: None,
+            mode: Mode::EmissionAbsorption,
+            block: DEFAULT_BLOCK,
+            step_voxels: 0.5,
+            ert: 0.98,
+            size: [512; 2],
+            camera,
+            clipping: Clipping::NONE,
+            table_entries: TABLE_SIZES[1],
+        }
+    }
 }
 
 /// What draws the pictures.

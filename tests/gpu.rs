@@ -4,9 +4,7 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use hollowcast::camera::{Camera, Orbit, Projection};
-use hollowcast::lattice::Clipping;
 use hollowcast::measure::verify::{self, Verifier, View};
-use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::Sampler;
 use hollowcast::scene::Picture;
@@ -45,16 +43,11 @@ fn ramp(low: f64, high: f64, opacity: f64) -> TransferFunction {
 fn settings(volume: &Volume, skip: Skip, sampler: Sampler) -> Settings {
     Settings {
         skip,
-        cuts: Cuts::default(),
         sampler: Some(sampler),
-        mode: Mode::EmissionAbsorption,
-        block: 8,
-        step_voxels: 0.5,
         ert: 1.0,
         size: [96, 96],
-        camera: Orbit::default().camera(volume.extent()),
-        clipping: Clipping::NONE,
         table_entries: 256,
+        ..Settings::new(Orbit::default().camera(volume.extent()))
     }
 }
 

@@ -45,16 +45,13 @@ fn show<'a>(
 fn settings(mode: Mode, camera: Camera) -> Settings {
     Settings {
         skip: Skip::HalfSplit,
-        cuts: Cuts::default(),
         sampler: Some(Sampler::Exact),
         mode,
         block: 4,
         step_voxels: 0.7,
         ert: 1.0,
         size: [80, 72],
-        camera,
-        clipping: Clipping::NONE,
-        table_entries: 4096,
+        ..Settings::new(camera)
     }
 }
 

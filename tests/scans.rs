@@ -6,10 +6,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use hollowcast::lattice::Clipping;
 use hollowcast::measure::metrics::metrics;
 use hollowcast::measure::verify::{self, Verifier, View};
-use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::Sampler;
 use hollowcast::skip::{Cuts, Skip};
@@ -60,15 +58,11 @@ fn check(path: &Path, backend: BackendChoice) {
             let mut settings = Settings {
                 skip: Skip::BeamMasks,
                 sampler: Some(Sampler::Exact),
-                mode: Mode::EmissionAbsorption,
                 block: 4,
                 step_voxels: 0.7,
                 ert: 1.0,
                 size: [96, 96],
-                camera: view.camera(&volume, &transfer, is_parallel),
-                clipping: Clipping::NONE,
-                table_entries: 4096,
-                cuts: Cuts::default(),
+                ..Settings::new(view.camera(&volume, &transfer, is_parallel))
             };
             let ours = renderer.render(&settings).unwrap().picture;
             settings.skip = Skip::HalfSplit;

@@ -6,13 +6,11 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hollowcast::camera::Orbit;
-use hollowcast::lattice::Clipping;
 use hollowcast::measure::compare::{Plan, ReferencePlan, Row};
-use hollowcast::mode::Mode;
 use hollowcast::output::{self, PngEncoding, heat};
 use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Settings};
 use hollowcast::scene::CountedPicture;
-use hollowcast::skip::{Cuts, METHODS, Skip};
+use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::{PRESETS, TransferFunction};
 use hollowcast::volume::{self, Statistics, Volume};
 use hollowcast::{Error, Result};
@@ -122,17 +120,9 @@ fn plan(volume: &Volume, size: [u32; 2], methods: &[Skip]) -> Plan {
             voxels: step,
         }],
         settings: Settings {
-            skip: Skip::Box,
-            cuts: Cuts::default(),
-            sampler: None,
-            mode: Mode::EmissionAbsorption,
-            block: 8,
             step_voxels: step,
-            ert: 0.98,
             size,
-            camera: views[0],
-            clipping: Clipping::NONE,
-            table_entries: 4096,
+            ..Settings::new(views[0])
         },
         views,
         rounds: 3,

@@ -81,9 +81,9 @@ impl SceneArgs {
             step_voxels,
             ert: self.ert,
             size: self.size,
-            camera,
             clipping: *clipping,
             table_entries: self.table_size,
+            ..Settings::new(camera)
         }
     }
 

@@ -269,19 +269,19 @@ impl<'a> Verifier<'a> {
     /// As [`Renderer::render`].
     pub fn run(&mut self, case: &Case) -> Result<Vec<Outcome>> {
         let mut settings = Settings {
-            skip: Skip::Box,
             sampler: Some(case.sampler),
             mode: self.mode,
             block: case.block,
             step_voxels: case.step_edges * self.volume.extent().max_element(),
             ert: case.ert,
             size: self.size,
-            camera: case
-                .view
-                .camera(self.volume, self.transfer, case.is_parallel),
             clipping: self.clipping,
             table_entries: 256,
             cuts: self.cuts,
+            ..Settings::new(
+                case.view
+                    .camera(self.volume, self.transfer, case.is_parallel),
+            )
         };
         let by_box = match self.by_box.take() {
             Some((last, picture))

@@ -11,10 +11,8 @@ use glam::DVec3;
 use super::{Renderer, Settings, cache};
 use crate::camera::Orbit;
 use crate::error::Result;
-use crate::lattice::Clipping;
-use crate::mode::Mode;
 use crate::sample::Sampler;
-use crate::skip::{Cuts, METHODS, Method, Skip};
+use crate::skip::{METHODS, Method, Skip};
 use crate::transfer::{ControlPoint, TransferFunction};
 use crate::volume::phantom;
 
@@ -81,21 +79,18 @@ fn check(renderer: &mut Renderer) -> Result<Vec<Skip>> {
     for sampler in Sampler::ALL {
         for distance_edges in [1.6, 0.1] {
             let mut settings = Settings {
-                skip: Skip::Box,
-                cuts: Cuts::default(),
                 sampler: Some(*sampler),
-                mode: Mode::EmissionAbsorption,
                 block: 4,
                 step_voxels: 0.4,
-                ert: 0.98,
                 size: [SIZE; 2],
-                camera: Orbit {
-                    distance_edges,
-                    ..Orbit::default()
-                }
-                .camera(volume.extent() - DVec3::splat(0.3)),
-                clipping: Clipping::NONE,
                 table_entries: 256,
+                ..Settings::new(
+                    Orbit {
+                        distance_edges,
+                        ..Orbit::default()
+                    }
+                    .camera(volume.extent() - DVec3::splat(0.3)),
+                )
             };
             let picture = renderer.render(&settings)?.picture;
             for method in candidates() {

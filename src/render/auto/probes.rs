@@ -6,7 +6,6 @@ use super::cost::kept_or;
 use super::{Calibration, Choice};
 use crate::camera::Orbit;
 use crate::error::Result;
-use crate::mode::Mode;
 use crate::render::{Renderer, Settings, cache};
 use crate::sample::Sampler;
 use crate::skip::Skip;
@@ -178,19 +177,12 @@ fn measure(renderer: &mut Renderer, sampler: Sampler, methods: &[Skip]) -> Resul
         let extent = volume.extent();
         renderer.set_volume(volume)?;
         renderer.set_transfer(probe.transfer()?);
-        let Choice { skip, block, cuts } = Choice::BOX;
         let settings = Settings {
-            clipping: crate::lattice::Clipping::NONE,
-            skip,
-            cuts,
             sampler: Some(sampler),
-            mode: Mode::EmissionAbsorption,
-            block,
             step_voxels: probe.step_voxels,
-            ert: 0.98,
             size: [probe.pixels; 2],
-            camera: Orbit::default().camera(extent),
             table_entries: 256,
+            ..Choice::BOX.in_settings(&Settings::new(Orbit::default().camera(extent)))
         };
         let mut choices = renderer.candidates(&[probe.block]);
         choices.dedup_by_key(|c| c.skip);

@@ -11,17 +11,9 @@ fn ready(spec: &str) -> (Renderer, Settings) {
         TransferFunction::from_spec("ramp:40:255:0.3", &Statistics::of(&volume)).unwrap();
     let mut renderer = Renderer::new(BackendChoice::Reference).unwrap();
     let settings = Settings {
-        clipping: crate::lattice::Clipping::NONE,
-        sampler: None,
-        mode: Mode::EmissionAbsorption,
-        step_voxels: 0.5,
-        ert: 0.98,
         size: [64, 48],
-        camera: Orbit::default().camera(volume.extent()),
         table_entries: 256,
-        skip: Skip::Box,
-        block: 8,
-        cuts: Cuts::default(),
+        ..Settings::new(Orbit::default().camera(volume.extent()))
     };
     renderer.set_volume(volume).unwrap();
     renderer.set_transfer(transfer);
@@ -77,7 +69,6 @@ fn a_choice_holds_until_something_changes_and_a_turning_camera_builds_nothing() 
     assert_eq!(renderer.choose(&settings).unwrap(), choice);
     // Method, block and cuts of the settings are not read.
     let other = Settings {
-        clipping: crate::lattice::Clipping::NONE,
         skip: Skip::Hull,
         block: 32,
         ..settings
