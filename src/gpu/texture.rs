@@ -12,6 +12,8 @@ const SLAB_BYTES: usize = 16 << 20;
 pub struct VolumeTexture {
     /// The whole texture.
     pub view: wgpu::TextureView,
+    /// Reads it between texels, where the adapter filters its format.
+    pub filter: wgpu::Sampler,
     /// Whether the adapter filters its format.
     pub filterable: bool,
     /// `stored = raw * stored_per_raw + stored_at_zero`.
@@ -97,9 +99,21 @@ impl VolumeTexture {
             Voxels::I16(v) => write(gpu, &texture, volume.dims, v, f32::from)?,
             Voxels::F32(v) => write(gpu, &texture, volume.dims, v, |s| s)?,
         }
+        let filterable = format != wgpu::TextureFormat::R32Float || filters_f32;
+        let mode = if filterable {
+            wgpu::FilterMode::Linear
+        } else {
+            wgpu::FilterMode::Nearest
+        };
         Ok(Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
-            filterable: format != wgpu::TextureFormat::R32Float || filters_f32,
+            filter: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("volume"),
+                mag_filter: mode,
+                min_filter: mode,
+                ..Default::default()
+            }),
+            filterable,
             stored_per_raw,
             stored_at_zero,
         })
