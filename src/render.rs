@@ -1,6 +1,7 @@
 //! The [`Renderer`]: owns the backend, the resident volume and the structures, and draws pictures.
 
 mod auto;
+mod block_words;
 mod cache;
 mod gpu;
 mod self_check;

@@ -30,6 +30,7 @@ use crate::gpu::texture::VolumeTexture;
 use crate::gpu::timer::{Place, SpanTimer};
 use crate::gpu::{AdapterKind, Gpu};
 use crate::octree::Hull;
+use crate::render::block_words::BlockWords;
 use crate::render::{FrameTimes, ms_since};
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Counters, Picture, Progress, Scene};
@@ -60,8 +61,8 @@ pub(super) struct Job<'a> {
     pub(super) parts: Vec<Part<'a>>,
     /// Tells each tile its segments.
     pub(super) masks: Option<&'a BeamMasks>,
-    /// What the method's own shader reads of every block, and its name.
-    pub(super) blocks: Option<(u64, &'a [u32])>,
+    /// What the method's own shader reads of every block.
+    pub(super) blocks: Option<&'a BlockWords>,
     /// Leaf block edge in voxels.
     pub(super) block: usize,
     /// Boxes (local coordinates) outside which nothing is visible.
@@ -69,6 +70,11 @@ pub(super) struct Job<'a> {
 }
 
 impl Job<'_> {
+    /// What the method's own shader reads of every block, after its name.
+    fn block_words(&self) -> Option<(u64, &[u32])> {
+        self.blocks.map(|words| (words.id, &words.content[..]))
+    }
+
     /// Leaf blocks along x, y, z.
     fn block_dims(&self) -> [u32; 3] {
         let dims = self.scene.volume.dims;
@@ -206,8 +212,9 @@ impl GpuBackend {
                 is_new = true;
             }
         }
-        is_new |= job.blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
-        self.blocks.holding(&self.gpu, job.blocks);
+        let blocks = job.block_words();
+        is_new |= blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
+        self.blocks.holding(&self.gpu, blocks);
         if is_new {
             // Else the copies would wait for the frame's submission, and count as part of it.
             self.gpu.queue.submit([]);
@@ -223,7 +230,9 @@ impl GpuBackend {
         let largest = largest_piece(job, &self.gpu.device.limits());
         let [width, height] = job.scene.frame.size.map(|n| u64::from(n.min(largest)));
         faces.map(FaceBuffers::bytes).sum::<u64>()
-            + job.blocks.map_or(0, |(_, words)| size_of_val(words) as u64)
+            + job
+                .block_words()
+                .map_or(0, |(_, words)| size_of_val(words) as u64)
             + width * height * 4 * u64::from(ray_words(job))
     }
 
@@ -422,7 +431,7 @@ impl GpuBackend {
             .reserve(gpu, if resumes { pixels * 4 } else { 0 });
         let counted = if count == Count::On { pixels * 16 } else { 0 };
         let work = self.work.reserve(gpu, counted);
-        let blocks = self.blocks.holding(gpu, job.blocks);
+        let blocks = self.blocks.holding(gpu, job.block_words());
         let ray_bytes = pixels * 4 * u64::from(ray_words(job));
         let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
         let table = self.table.write(gpu, job.scene.table.rgba());
@@ -444,6 +453,7 @@ impl GpuBackend {
             skip: if is_first { Skip::Box } else { job.skip }.method().shader,
             sampler: job.scene.sampler,
             mode: job.scene.mode.row().shader,
+            is_bounded: job.blocks.is_some_and(|words| words.majorants.is_some()),
             count,
         };
         let mut encoder = gpu
