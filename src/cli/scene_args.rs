@@ -100,11 +100,15 @@ impl SceneArgs {
         }
     }
 
+    /// The transfer function for data of these statistics.
+    pub(super) fn transfer(&self, statistics: &Statistics) -> Result<TransferFunction> {
+        TransferFunction::from_spec(&self.tf, statistics)
+    }
+
     /// The transfer function and the mode for this volume.
     pub(super) fn transfer_and_mode(&self, volume: &Volume) -> Result<(TransferFunction, Mode)> {
         let statistics = Statistics::of(volume);
-        let transfer = TransferFunction::from_spec(&self.tf, &statistics)?;
-        Ok((transfer, self.mode.mode(&statistics)?))
+        Ok((self.transfer(&statistics)?, self.mode.mode(&statistics)?))
     }
 }
 

@@ -16,6 +16,9 @@ shaders![
     "march",
     "present",
     "segments",
+    "slices",
+    "blend/highest.inc",
+    "blend/under.inc",
     "bound/highest.inc",
     "bound/none.inc",
     "count/contributing.inc",
@@ -142,6 +145,14 @@ mod tests {
             compose("present", &[]).unwrap(),
             compose("segments", &[("BOUND", "none")]).unwrap(),
         ];
+        for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
+            for mode in ["emission_absorption", "grey", "mip", "minip"] {
+                for blend in names("blend/") {
+                    let choices = [("SAMPLER", sampler), ("MODE", mode), ("BLEND", blend)];
+                    composed.push(compose("slices", &choices).unwrap());
+                }
+            }
+        }
         for skip in names("skip/") {
             for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
                 for mode in names("mode/") {

@@ -5,6 +5,7 @@ mod dispatch;
 mod faces;
 mod march;
 mod present;
+mod slices;
 mod tiles;
 mod uniforms;
 
@@ -20,6 +21,7 @@ use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
 use self::march::{Count, March, MarchPass, SETTINGS_STRIDE, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
+use self::slices::SlicesPass;
 use self::tiles::{TileMask, tile_runs};
 use self::uniforms::{mode_of, settings_of, view_of, viewer_of};
 use crate::camera::Camera;
@@ -31,6 +33,7 @@ use crate::gpu::timer::{Place, SpanTimer};
 use crate::gpu::{AdapterKind, Gpu};
 use crate::octree::Hull;
 use crate::render::block_words::BlockWords;
+use crate::render::slices::Slices;
 use crate::render::{FrameTimes, ms_since};
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Counters, Picture, Progress, Scene};
@@ -67,6 +70,8 @@ pub(super) struct Job<'a> {
     pub(super) block: usize,
     /// Boxes (local coordinates) outside which nothing is visible.
     pub(super) active: &'a [[DVec3; 2]],
+    /// What is drawn in place of rays, where anything is.
+    pub(super) slices: Option<Slices>,
 }
 
 impl Job<'_> {
@@ -106,6 +111,10 @@ pub(super) struct GpuBackend {
     mode: GrowBuffer,
     timer: SpanTimer,
     present: Option<PresentPass>,
+    slices: Option<SlicesPass>,
+    corners: GrowBuffer,
+    /// What slices are blended into.
+    picture: Option<wgpu::Texture>,
     progress_of_job: Arc<Progress>,
 }
 
@@ -163,6 +172,9 @@ impl GpuBackend {
             view_layout,
             gpu,
             present: None,
+            slices: None,
+            corners: GrowBuffer::new("slices", Usage::VERTEX),
+            picture: None,
             progress_of_job: progress,
         })
     }
@@ -266,6 +278,9 @@ impl GpuBackend {
 
     /// Draws a picture with counters: the same bits.
     pub(super) fn count(&mut self, job: &Job) -> Result<CountedPicture> {
+        if job.slices.is_some() {
+            return self.count_slices(job);
+        }
         let size = job.scene.frame.size;
         let pixels = size[0] as usize * size[1] as usize;
         let mut rgba = vec![[0.0; 4]; pixels];
@@ -362,6 +377,7 @@ impl GpuBackend {
                 self.gpu.wait()?;
                 times.frame_ms += ms_since(start);
                 match self.timer.read_ms(&self.gpu)? {
+                    Some(ms) if job.slices.is_some() => times.raster_ms += ms[RASTER as usize],
                     Some(ms) => {
                         times.raster_ms += if job.parts.is_empty() && job.skip != Skip::SegmentList
                         {
@@ -391,6 +407,9 @@ impl GpuBackend {
                     self.gpu.info.name
                 ),
             ));
+        }
+        if let Some(slices) = &job.slices {
+            return self.draw_slices(job, slices, piece, count == Count::On);
         }
         let gpu = &self.gpu;
         let frame = job.scene.frame;
@@ -493,20 +512,7 @@ impl GpuBackend {
             );
             self.timer.resolve(&mut encoder, RASTER);
         }
-        let filter = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("volume"),
-            mag_filter: if volume.filterable {
-                wgpu::FilterMode::Linear
-            } else {
-                wgpu::FilterMode::Nearest
-            },
-            min_filter: if volume.filterable {
-                wgpu::FilterMode::Linear
-            } else {
-                wgpu::FilterMode::Nearest
-            },
-            ..Default::default()
-        });
+        let filter = volume_filter(gpu, volume);
         let scene_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("march scene"),
             layout: &self.march.scene_layout,
@@ -592,6 +598,21 @@ impl GpuBackend {
         gpu.queue.submit([encoder.finish()]);
         Ok(())
     }
+}
+
+/// How the adapter filters a volume, if it can.
+fn volume_filter(gpu: &Gpu, volume: &VolumeTexture) -> wgpu::Sampler {
+    let filter = if volume.filterable {
+        wgpu::FilterMode::Linear
+    } else {
+        wgpu::FilterMode::Nearest
+    };
+    gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+        label: Some("volume"),
+        mag_filter: filter,
+        min_filter: filter,
+        ..Default::default()
+    })
 }
 
 fn bind(binding: u32, resource: wgpu::BindingResource<'_>) -> wgpu::BindGroupEntry<'_> {
