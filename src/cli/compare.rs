@@ -110,12 +110,13 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<()> {
     let volume = args.volume.load()?;
-    let statistics = Statistics::of(&volume);
-    let transfer = args.scene.transfer(&statistics)?;
-    let modes = if args.modes.is_empty() {
-        vec![args.scene.mode.mode(&statistics)?]
+    let (transfer, modes) = if args.modes.is_empty() {
+        let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
+        (transfer, vec![mode])
     } else {
-        args.scene.mode.modes(&args.modes, &statistics)?
+        let statistics = Statistics::of(&volume);
+        let modes = args.scene.mode.modes(&args.modes, &statistics)?;
+        (args.scene.transfer(&statistics)?, modes)
     };
     let slices = args.slices.count(&args.renderer)?;
     let mut renderers = args
