@@ -92,9 +92,8 @@ impl Slices {
         let (near, far) = ((middle - half).max(0.0), middle + half);
         let depth = (far - near).max(0.0);
         let distance = match count {
-            SliceCount::PerVoxel => 1.0,
             SliceCount::Exactly(count) if depth > 0.0 => depth / f64::from(count),
-            SliceCount::Exactly(_) => 1.0,
+            SliceCount::PerVoxel | SliceCount::Exactly(_) => 1.0,
         };
         let planes = half_spaces(extent, clipping);
         let mut corners = Vec::new();
@@ -184,7 +183,7 @@ pub(super) fn check(settings: &Settings, backend: &str) -> Result<()> {
     Ok(())
 }
 
-/// Whether the nearest of two fragments counts in a mode: otherwise the highest does.
+/// Whether near fragments cover far ones in a mode; otherwise the highest counts.
 pub(super) fn are_ordered(mode: &Mode) -> bool {
     !mode.keeps_highest()
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::dispatch::dispatches;
-use super::march::uniform;
+use super::march::{Count, uniform};
 use super::uniforms::{mode_of, settings_of, view_of};
 use super::{GpuBackend, Job, MAX_TARGET, Piece, RASTER, bind, place, volume_filter};
 use crate::error::{Error, Result};
@@ -13,7 +13,7 @@ use crate::gpu::timer::Place;
 use crate::render::FrameTimes;
 use crate::render::slices::{Corner, Slices, are_ordered};
 use crate::sample::Sampler;
-use crate::scene::{CountedPicture, Counters, Picture};
+use crate::scene::{CountedPicture, Counters};
 
 /// What is blended: 16 bits would lose what hundreds of faint slices add.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
@@ -287,7 +287,7 @@ impl GpuBackend {
         let mut counts = vec![[0.0_f32; 4]; picture.rgba.len()];
         self.pieces(
             job,
-            super::march::Count::On,
+            Count::On,
             |backend, piece| {
                 let pixels: Vec<[f32; 4]> = backend.read(&backend.target, piece)?;
                 place(&pixels, piece, size, &mut counts);
@@ -297,7 +297,7 @@ impl GpuBackend {
         )?;
         let sum = |channel: usize| counts.iter().map(|c| c[channel] as u64).sum();
         Ok(CountedPicture {
-            picture: Picture { ..picture },
+            picture,
             counters: Counters {
                 samples: sum(0),
                 contributing: sum(1),
