@@ -10,7 +10,7 @@ use hollowcast::mode::{Mode, Window};
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::skip::{METHODS, Skip};
 use hollowcast::volume::Statistics;
-use support::{has, made, renderer, settings, show};
+use support::{made, renderer, settings, show};
 
 #[test]
 fn clipping_is_the_same_for_every_method_and_backend() {
