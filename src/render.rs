@@ -2,9 +2,11 @@
 
 mod auto;
 mod backend;
+mod block_words;
 mod cache;
 mod gpu;
 mod self_check;
+mod slices;
 mod structures;
 
 use std::sync::Arc;
@@ -24,11 +26,13 @@ use crate::volume::{Volume, statistics};
 
 use self::auto::Chooser;
 use self::gpu::{GpuBackend, Job};
+use self::slices::Slices;
 use self::structures::Structures;
 
 pub use self::auto::{BLOCKS, Choice, DEFAULT_BLOCK, MethodChoice};
 pub use self::backend::{BackendChoice, BackendInfo};
 pub use self::gpu::Targets;
+pub use self::slices::SliceCount;
 
 /// Everything that is chosen for one picture besides the volume and its transfer function.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -55,6 +59,9 @@ pub struct Settings {
     pub clipping: Clipping,
     /// Entries of the baked table: one of [`crate::transfer::TABLE_SIZES`].
     pub table_entries: usize,
+    /// Blends so many slices across the view in place of casting rays: on the GPU, with [`Skip::Box`], and no ray stops
+    /// early. Their distance is the step then. `None`: rays are cast.
+    pub slices: Option<SliceCount>,
 }
 
 impl Settings {
@@ -73,6 +80,7 @@ impl Settings {
             camera,
             clipping: Clipping::NONE,
             table_entries: TABLE_SIZES[1],
+            slices: None,
         }
     }
 }
@@ -278,6 +286,10 @@ impl Renderer {
     /// As [`Self::draw`]; [`Error::Setting`] where this renderer does not draw on a GPU.
     pub fn render_to(&mut self, settings: &Settings, targets: &Targets) -> Result<FrameTimes> {
         self.with_drawing(settings, |drawing, _| match drawing {
+            Drawing::Gpu(_, job) if job.slices.is_some() => Err(Error::setting(
+                "renderer",
+                "slices are drawn as pictures of their own, not over a caller's",
+            )),
             Drawing::Gpu(backend, job) => backend.render_to(job, targets),
             Drawing::Cpu(..) | Drawing::Reference(..) => Err(Error::setting(
                 "backend",
@@ -331,6 +343,24 @@ impl Renderer {
             );
             return Err(Error::setting("method", reason));
         }
+        let slices = match settings.slices {
+            Some(count) => {
+                slices::check(settings, self.info.backend)?;
+                let (camera, clipping) = (&settings.camera, &settings.clipping);
+                Some(Slices::new(count, camera, volume.extent(), clipping))
+            }
+            None => None,
+        };
+        let sliced;
+        let settings = if let Some(slices) = &slices {
+            sliced = Settings {
+                step_voxels: slices.distance,
+                ..*settings
+            };
+            &sliced
+        } else {
+            settings
+        };
         let sampler = self.sampler(settings);
         let table = self.table(settings, &volume)?;
         let frame = RayFrame {
@@ -360,6 +390,7 @@ impl Renderer {
                     blocks: needs.blocks,
                     block: settings.block,
                     active: &needs.active,
+                    slices,
                 };
                 work(&mut Drawing::Gpu(backend, job), &preparation)
             }

@@ -77,6 +77,17 @@ impl TransferFunction {
         &self.points
     }
 
+    /// Whether any data value in [low, high] has opacity.
+    pub fn shows_any_of(&self, [low, high]: [f64; 2]) -> bool {
+        let is_shown = |value: f64| self.at(value).1 > 0.0;
+        let mut within = self
+            .points
+            .iter()
+            .filter(|p| low <= p.value && p.value <= high);
+        // Opacity is linear between points: where it is none at all of these, it is none between them.
+        is_shown(low) || is_shown(high) || within.any(|p| p.opacity > 0.0)
+    }
+
     /// Colour (not premultiplied) and opacity per reference length at a data value. At a jump: the upper side.
     pub fn at(&self, value: f64) -> ([f64; 3], f64) {
         let after = self.points.partition_point(|p| p.value <= value);

@@ -16,7 +16,7 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
 
 // The samples from k on that lie before the block's end, or the empty segment there; and on to the next block. A sample on
 // a face, or one that rounding put there, counts as of either side: an inactive block answers for half a voxel around it.
-fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
+fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     const FAR = 1e30;
     let block = (*segment).block;
     let forward = vec3f(0.0) < ray.delta;
@@ -28,5 +28,5 @@ fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
     let least = min(min(leave.x, leave.y), leave.z);
     (*segment).block = select(block, next, (leave <= vec3f(least)) & !stays);
     let end = max(k, u32(clamp(ceil(least), 0.0, f32(ray.k_end))));
-    return vec2u(select(end, k, block_bit(block)), end);
+    return vec2u(select(end, k, block_bit(block) && may_add(block, state)), end);
 }

@@ -37,7 +37,7 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
 }
 
 // The next segment [x, y) at or after sample k; from the ray's end on where there is none.
-fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
+fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     if settings.segment_count + settings.takes_runs == 0u {
         return vec2u(k, ray.k_end);
     }

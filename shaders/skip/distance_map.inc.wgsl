@@ -11,11 +11,13 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
     return Segment(0u);
 }
 
-// From sample k on: the sample itself where its block is active, otherwise an empty segment after the leap.
-fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
+// From sample k on: the sample itself where its block is active and may add something, otherwise an empty segment after the
+// leap.
+fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     let at = lattice(ray, k);
     let block = block_at(at);
     let distance = block_byte(block);
-    let next = min(k, ray.k_end) + select(leap(ray, at, block, f32(distance)), 0u, distance == 0u);
-    return vec2u(next, next + select(0u, 1u, distance == 0u));
+    let is_taken = distance == 0u && may_add(block, state);
+    let next = min(k, ray.k_end) + select(leap(ray, at, block, max(f32(distance), 1.0)), 0u, is_taken);
+    return vec2u(next, next + select(0u, 1u, is_taken));
 }

@@ -114,6 +114,7 @@ fn plan(volume: &Volume, size: [u32; 2], methods: &[Skip]) -> Plan {
     let step = 0.5;
     Plan {
         methods: methods.iter().map(|&m| MethodChoice::Only(m)).collect(),
+        slices: None,
         blocks: vec![8],
         steps: vec![hollowcast::measure::compare::NamedStep {
             name: step.to_string(),

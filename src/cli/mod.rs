@@ -4,13 +4,16 @@ mod camera;
 mod clip_args;
 mod compare;
 mod demo;
+mod gallery;
 mod info;
 mod mode_args;
+mod mode_speeds;
 mod phantom;
 mod progress;
 mod render;
 mod report;
 mod scene_args;
+mod slice_args;
 mod table;
 mod tune;
 mod values;
@@ -34,6 +37,7 @@ Examples:
   hollowcast compare scan.nii.gz --steps 0.002u,0.005u,0.01u --json > rows.json
   hollowcast tune scan.nrrd                                the fastest method, blocks and cuts, as a profile for render
   hollowcast verify scan.nrrd                              does skipping change one bit?
+  hollowcast gallery scan.nrrd -o modes.png                every mode there is, on one sheet
   hollowcast phantom pot 256 -o pot.nrrd                   a test volume
 
 VOLUME is a file (NRRD, MetaImage, NIfTI, raw) or phantom:NAME:SIZE.
@@ -55,6 +59,7 @@ enum Command {
     Verify(verify::Args),
     Info(info::Args),
     Phantom(phantom::Args),
+    Gallery(gallery::Args),
     Demo(demo::Args),
 }
 
@@ -80,6 +85,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Verify(args) => verify::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Phantom(args) => phantom::run(&args),
+        Command::Gallery(args) => gallery::run(&args),
         Command::Demo(args) => demo::run(&args),
     };
     match done {

@@ -111,6 +111,17 @@ impl ModeArgs {
         Ok(mode)
     }
 
+    /// The modes of these names, or all, each with what suits data of these statistics.
+    pub(super) fn modes(&self, names: &[String], statistics: &Statistics) -> Result<Vec<Mode>> {
+        if let Some(flag) = self.given().first() {
+            let reason = "is for one --mode: with --modes, parameters suit the data";
+            return Err(Error::setting(*flag, reason));
+        }
+        let is_asked = |row: &&ModeRow| names.iter().any(|n| n == row.name || n == ALL);
+        let rows = MODES.iter().filter(is_asked);
+        Ok(rows.map(|row| (row.suited_to)(statistics)).collect())
+    }
+
     fn light_up(&self, lighting: &mut Lighting, left: &mut Left) {
         left.put("--light", self.light, &mut lighting.light);
         left.put("--ka", self.ka, &mut lighting.ambient);
@@ -150,6 +161,14 @@ impl Left {
             *place = value;
         }
     }
+}
+
+/// Every mode there is.
+const ALL: &str = "all";
+
+/// The names of modes, and `all`.
+pub(super) fn names() -> PossibleValuesParser {
+    PossibleValuesParser::new([ALL].into_iter().chain(MODES.iter().map(|row| row.name)))
 }
 
 /// A mode's row by its name, explained in the help text.

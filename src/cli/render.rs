@@ -20,6 +20,7 @@ use serde_json::{Value, json};
 use super::progress::Progress;
 use super::report;
 use super::scene_args::{self, SceneArgs};
+use super::slice_args::{SliceArgs, Technique};
 use super::values::{self, Background, Step};
 use super::volume_args::VolumeArgs;
 
@@ -31,6 +32,7 @@ Examples:
   hollowcast render scan.nii.gz --camera 'eye=64,64,10;target=64,64,100;up=0,1,0' --background '#20242c'
   hollowcast render scan.nrrd --mode phong --iso 90 --light 1,-1,2 --background white
   hollowcast render scan.nrrd --mode mip --window 40:200 --background black
+  hollowcast render scan.nrrd --mode mip --renderer slices --slices 106 --backend gpu
   hollowcast render scan.mha --repeat 20 --json
   hollowcast render scan.nrrd --profile scan.profile.toml
 
@@ -49,6 +51,13 @@ pub(super) struct Args {
 
     #[command(flatten)]
     scene: SceneArgs,
+
+    /// What makes the picture
+    #[arg(long, default_value = "rays", help_heading = "Picture")]
+    renderer: Technique,
+
+    #[command(flatten)]
+    slices: SliceArgs,
 
     /// Where samples are taken [default: auto]
     #[arg(long, value_parser = values::method_or_auto(), help_heading = "Picture")]
@@ -122,7 +131,12 @@ pub(super) fn run(args: &Args) -> Result<()> {
     Format::from_path(&args.output)?;
     args.volume.check_output(&args.output)?;
     let profile = args.profile.as_deref().map(Profile::read).transpose()?;
-    let method = args.method(profile.as_ref())?;
+    let slices = args.slices.count(&[args.renderer])?;
+    let method = match slices {
+        // Nothing is skipped, whatever a profile says.
+        Some(_) if args.method.is_none() => MethodChoice::Only(Skip::Box),
+        _ => args.method(profile.as_ref())?,
+    };
     let volume = args.volume.load()?;
     let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
     let camera = args.scene.camera.camera(&volume, 0.0);
@@ -142,6 +156,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         camera,
         &clipping,
     );
+    let settings = Settings { slices, ..settings };
     let settings = match method {
         MethodChoice::Only(_) => settings,
         MethodChoice::Auto => renderer.choose(&settings)?.in_settings(&settings),
@@ -194,7 +209,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
             } else {
                 ""
             },
-            Choice::of(&settings).words(),
+            match slices {
+                Some(count) => format!("slices ({count})"),
+                None => Choice::of(&settings).words(),
+            },
             rendered.sampler.name(),
             report::adapter_words(renderer.info()),
         );
@@ -275,6 +293,8 @@ fn facts(
     runs: &[Run],
 ) -> Value {
     let mut object = json!({
+        "renderer": if settings.slices.is_some() { "slices" } else { "rays" },
+        "slices": settings.slices.map(|count| count.to_string()),
         "method": settings.skip.method().name,
         "mode": settings.mode.name(),
         "sampler": rendered.sampler.name(),

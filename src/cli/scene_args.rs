@@ -100,11 +100,21 @@ impl SceneArgs {
         }
     }
 
+    /// The transfer function for data of these statistics.
+    pub(super) fn transfer(&self, statistics: &Statistics) -> Result<TransferFunction> {
+        TransferFunction::from_spec(&self.tf, statistics)
+    }
+
     /// The transfer function and the mode for this volume.
     pub(super) fn transfer_and_mode(&self, volume: &Volume) -> Result<(TransferFunction, Mode)> {
         let statistics = Statistics::of(volume);
-        let transfer = TransferFunction::from_spec(&self.tf, &statistics)?;
-        Ok((transfer, self.mode.mode(&statistics)?))
+        let transfer = self.transfer(&statistics)?;
+        let mode = self.mode.mode(&statistics)?;
+        let [low, high] = statistics.value_range();
+        if mode.takes_table() && !transfer.shows_any_of([low, high]) {
+            eprintln!("warning: the transfer function shows nothing of the data ({low} to {high})");
+        }
+        Ok((transfer, mode))
     }
 }
 

@@ -55,6 +55,10 @@ pub struct MarchSettings {
     pub takes_runs: u32,
     pub block_dims: [u32; 3],
     pub ray_words: u32,
+    pub majorants: u32,
+    pub pad1: u32,
+    pub pad2: u32,
+    pub pad3: u32,
 }
 
 /// `ModeSettings` in `shaders/shared/mode_settings.inc.wgsl`.
@@ -140,7 +144,7 @@ mod tests {
             clip_from_local, clip_planes);
         mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
             tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, takes_runs,
-            block_dims, ray_words);
+            block_dims, ray_words, majorants, pad1, pad2, pad3);
         mirrors!(ModeSettings: light, light_is_eye, color, ambient, outer_color, diffuse, specular, shininess,
             opacity_ratio, window_low, window_scale, window_dead, direction, iso, outer_iso, least_gradient, pad1);
         mirrors!(Tile: at, first_run, run_count, axis);

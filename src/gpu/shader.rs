@@ -16,6 +16,11 @@ shaders![
     "march",
     "present",
     "segments",
+    "slices",
+    "blend/highest.inc",
+    "blend/under.inc",
+    "bound/highest.inc",
+    "bound/none.inc",
     "count/contributing.inc",
     "count/off.inc",
     "count/on.inc",
@@ -138,19 +143,35 @@ mod tests {
         let mut composed = vec![
             compose("faces", &[]).unwrap(),
             compose("present", &[]).unwrap(),
-            compose("segments", &[]).unwrap(),
+            compose("segments", &[("BOUND", "none")]).unwrap(),
         ];
+        for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
+            for mode in ["emission_absorption", "grey", "mip", "minip"] {
+                for blend in names("blend/") {
+                    let choices = [("SAMPLER", sampler), ("MODE", mode), ("BLEND", blend)];
+                    composed.push(compose("slices", &choices).unwrap());
+                }
+            }
+        }
         for skip in names("skip/") {
             for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
                 for mode in names("mode/") {
                     for count in names("count/") {
-                        let choices = [
-                            ("SKIP", skip),
-                            ("SAMPLER", sampler),
-                            ("MODE", mode),
-                            ("COUNT", count),
-                        ];
-                        composed.push(compose("march", &choices).unwrap());
+                        let is_bounded = ["mip", "minip"].contains(&mode);
+                        for bound in if is_bounded {
+                            vec!["none", "highest"]
+                        } else {
+                            vec!["none"]
+                        } {
+                            let choices = [
+                                ("SKIP", skip),
+                                ("SAMPLER", sampler),
+                                ("MODE", mode),
+                                ("BOUND", bound),
+                                ("COUNT", count),
+                            ];
+                            composed.push(compose("march", &choices).unwrap());
+                        }
                     }
                 }
             }

@@ -6,7 +6,7 @@ use super::metrics::metrics;
 use super::race::{Entrant, race};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::render::{Choice, MethodChoice, Renderer, Settings};
+use crate::render::{Choice, MethodChoice, Renderer, Settings, SliceCount};
 use crate::sample::Sampler;
 use crate::scene::Picture;
 use crate::skip::Skip;
@@ -26,6 +26,8 @@ pub struct Plan {
     /// The methods; box must be one of them, it is what the others are compared with. A backend that does not have one
     /// leaves it out.
     pub methods: Vec<MethodChoice>,
+    /// Slices, drawn beside the methods by every backend that is a GPU.
+    pub slices: Option<SliceCount>,
     /// Block sizes in voxels.
     pub blocks: Vec<usize>,
     /// Steps.
@@ -55,7 +57,7 @@ pub struct ReferencePlan {
 pub struct Row {
     /// `gpu`, `cpu` or `reference`.
     pub backend: &'static str,
-    /// The method's name.
+    /// The method's name, or `slices`.
     pub method: &'static str,
     /// What `auto` chose, in words, each choice once; only where the method is `auto`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -167,18 +169,20 @@ pub fn compare(
             let mut part = |f: f64| progress((before + f) / groups as f64);
             let (methods, entrants) = entrants(renderers, plan, &settings)?;
             let outcomes = race(renderers, &entrants, plan.rounds, &mut part)?;
-            for ((&method, entrant), outcome) in methods.iter().zip(&entrants).zip(&outcomes) {
+            for ((method, entrant), outcome) in methods.iter().zip(&entrants).zip(&outcomes) {
                 let renderer = &mut renderers[entrant.renderer];
                 let psnr = psnr(renderer, entrant, plan, &truth)?;
                 let base = (0..entrants.len())
-                    .find(|&i| entrants[i].renderer == entrant.renderer && methods[i] == box_choice)
+                    .find(|&i| {
+                        entrants[i].renderer == entrant.renderer && methods[i] == Some(box_choice)
+                    })
                     .expect("box is in every plan");
                 comparison.samplers[entrant.renderer] = outcome.sampler;
                 let speedup = outcomes[base].mean(|t| t.frame_ms) / outcome.mean(|t| t.frame_ms);
                 comparison.rows.push(Row {
                     backend: renderer.info().backend,
-                    method: method.name(),
-                    chosen: chosen(method, entrant),
+                    method: method.map_or("slices", MethodChoice::name),
+                    chosen: chosen(*method, entrant),
                     step: step.name.clone(),
                     block,
                     size: plan.settings.size,
@@ -204,12 +208,12 @@ pub fn compare(
     Ok(comparison)
 }
 
-/// All methods on all backends that have them.
+/// All methods on all backends that have them, and slices where they are drawn, which are no method.
 fn entrants(
     renderers: &mut [Renderer],
     plan: &Plan,
     settings: &Settings,
-) -> Result<(Vec<MethodChoice>, Vec<Entrant>)> {
+) -> Result<(Vec<Option<MethodChoice>>, Vec<Entrant>)> {
     let mut methods = Vec::new();
     let mut entrants = Vec::new();
     for (renderer, drawing) in renderers.iter_mut().enumerate() {
@@ -231,15 +235,28 @@ fn entrants(
                 renderer,
                 views: views.collect::<Result<_>>()?,
             });
-            methods.push(method);
+            methods.push(Some(method));
+        }
+        if plan.slices.is_some() && drawing.info().backend == "gpu" {
+            let views = plan.views.iter().map(|&camera| Settings {
+                camera,
+                skip: Skip::Box,
+                slices: plan.slices,
+                ..*settings
+            });
+            entrants.push(Entrant {
+                renderer,
+                views: views.collect(),
+            });
+            methods.push(None);
         }
     }
     Ok((methods, entrants))
 }
 
 /// What an entrant's choices were, if it had any.
-fn chosen(method: MethodChoice, entrant: &Entrant) -> Vec<String> {
-    if method != MethodChoice::Auto {
+fn chosen(method: Option<MethodChoice>, entrant: &Entrant) -> Vec<String> {
+    if method != Some(MethodChoice::Auto) {
         return Vec::new();
     }
     let mut words: Vec<String> = Vec::new();

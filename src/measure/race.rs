@@ -147,7 +147,8 @@ impl Outcome {
 fn compare_with_box(entrants: &[Entrant], outcomes: &mut [Outcome], pictures: &[Picture]) {
     for (i, entrant) in entrants.iter().enumerate() {
         let base = entrants.iter().position(|other| {
-            other.renderer == entrant.renderer && other.views.iter().all(|s| s.skip == Skip::Box)
+            other.renderer == entrant.renderer
+                && (other.views.iter()).all(|s| s.skip == Skip::Box && s.slices.is_none())
         });
         if let Some(base) = base {
             let difference = pictures[i].difference(&pictures[base]);

@@ -223,6 +223,11 @@ impl Mode {
         matches!(self, Self::EmissionAbsorption | Self::Shaded(_))
     }
 
+    /// Whether a ray keeps the highest place in the window, so that blocks that lie no higher can be left out.
+    pub fn keeps_highest(&self) -> bool {
+        matches!(self, Self::Mip(_) | Self::Minip(_))
+    }
+
     /// Whether a block whose samples have table coordinates in `range` can contribute to any picture in this mode.
     ///
     /// `false` must mean that every sample of the block contributes exactly nothing.

@@ -10,15 +10,16 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use self::culled::{Culled, Words};
+use self::culled::Culled;
 use self::near::starts_near;
+use super::block_words::{BlockWords, strides};
 use super::gpu::Part;
 use super::{Preparation, Settings, ms_since};
 use crate::cpu::CpuPlan;
 use crate::error::{Error, Result};
-use crate::octree::{Accelerator, LeafGrid, Occupancy};
+use crate::octree::{Accelerator, Occupancy};
 use crate::scene::Scene;
-use crate::skip::adaptive::{Gradients, Strides};
+use crate::skip::adaptive::Gradients;
 use crate::skip::beam_masks::BeamMasks;
 use crate::skip::k_cuts::CUT_SAMPLES;
 use crate::skip::{HalfCut, Plan, Skip};
@@ -44,8 +45,8 @@ pub(super) struct GpuNeeds<'a> {
     pub(super) parts: Vec<Part<'a>>,
     /// What tells each tile its segments, where nothing is rasterised.
     pub(super) masks: Option<&'a BeamMasks>,
-    /// What the method's own shader reads of every block, and its name.
-    pub(super) blocks: Option<(u64, &'a [u32])>,
+    /// What the method's own shader reads of every block.
+    pub(super) blocks: Option<&'a BlockWords>,
     /// Boxes around all that can be seen, local coordinates.
     pub(super) active: Vec<[DVec3; 2]>,
 }
@@ -121,37 +122,17 @@ impl Structures {
         if settings.skip == Skip::BeamMasks && culled.masks.is_none() {
             culled.masks = Some(BeamMasks::new(culled.occupancy.clone()));
         }
-        if settings.skip == Skip::Adaptive {
-            // What its words say of blocks follows from the whole table, not only from where it shows anything.
-            let is_current = |w: &Words| w.skip != settings.skip || Arc::ptr_eq(&w.table, table);
-            culled.words.retain(is_current);
-        }
-        if culled.words_of(settings.skip).is_none() {
-            let start = Instant::now();
-            let words = match settings.skip {
-                Skip::Adaptive => {
-                    let grid = &kept.accelerator.grid;
-                    let gradients = kept
-                        .gradients
-                        .get_or_insert_with(|| Gradients::new(scene.volume, grid));
-                    Some(strides(gradients, grid, &culled.occupancy, scene).words())
-                }
-                skip => skip.block_words(&culled.occupancy),
-            };
-            if let Some(words) = words {
-                culled.words.push(Words {
-                    id: words_id,
-                    skip: settings.skip,
-                    table: Arc::clone(table),
-                    content: words,
-                    ms: ms_since(start),
-                });
-            }
+        culled.words.retain(|w| w.hold_under(table));
+        if culled.words_of(settings).is_none() {
+            let blocks = (&accelerator.grid, &culled.occupancy);
+            let gradients = &mut kept.gradients;
+            let made = BlockWords::make(words_id, settings, scene, table, blocks, gradients);
+            culled.words.extend(made);
         }
         let regions = culled.regions(settings, scene, cut_samples);
         let places: Vec<usize> = regions.iter().map(|r| culled.make_hull(r)).collect();
         let culled = &*culled;
-        let preparation = culled.preparation(settings.skip, &places, accelerator, build_ms);
+        let preparation = culled.preparation(settings, &places, accelerator, build_ms);
         let parts = regions
             .iter()
             .zip(places)
@@ -167,7 +148,7 @@ impl Structures {
                 .masks
                 .as_ref()
                 .filter(|_| settings.skip == Skip::BeamMasks),
-            blocks: culled.words_of(settings.skip),
+            blocks: culled.words_of(settings),
             active: culled.boxes.clone(),
         };
         Ok((needs, preparation))
@@ -190,8 +171,7 @@ impl Structures {
         let culled = kept.culled.as_mut().expect("culled just above");
         let (axis, planes) = culled.planes(settings, scene, cut_samples);
         let culled = &*culled;
-        let mut preparation =
-            culled.preparation(settings.skip, &[], &kept.accelerator, kept.build_ms);
+        let mut preparation = culled.preparation(settings, &[], &kept.accelerator, kept.build_ms);
         let start = Instant::now();
         let plan = if settings.skip == Skip::Adaptive {
             let grid = &kept.accelerator.grid;
@@ -248,8 +228,7 @@ impl Structures {
             .iter()
             .find(|plan| plan.skip() == settings.skip);
         let plan = plan.expect("made just above");
-        let mut preparation =
-            culled.preparation(settings.skip, &[], &kept.accelerator, kept.build_ms);
+        let mut preparation = culled.preparation(settings, &[], &kept.accelerator, kept.build_ms);
         preparation.structure_bytes += plan.bytes() as u64;
         Ok((plan, preparation))
     }
@@ -292,14 +271,4 @@ impl Structures {
         }
         Ok(kept)
     }
-}
-
-/// The strides that adaptive takes in a scene.
-fn strides(
-    gradients: &Gradients,
-    grid: &LeafGrid,
-    occupancy: &Occupancy,
-    scene: &Scene,
-) -> Strides {
-    Strides::new(occupancy, gradients, grid, scene.table, scene.frame.step)
 }

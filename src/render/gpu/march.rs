@@ -16,6 +16,8 @@ pub(super) struct March {
     pub(super) sampler: Sampler,
     /// The file in `shaders/mode/`.
     pub(super) mode: &'static str,
+    /// Whether blocks are held against what the ray has seen.
+    pub(super) is_bounded: bool,
     pub(super) count: Count,
 }
 
@@ -162,6 +164,7 @@ impl MarchPass {
                 ("SKIP", march.skip),
                 ("SAMPLER", march.sampler.name()),
                 ("MODE", march.mode),
+                ("BOUND", if march.is_bounded { "highest" } else { "none" }),
                 ("COUNT", march.count.shader()),
             ];
             let pipeline = self.compile(gpu, "march", &choices)?;
@@ -177,7 +180,7 @@ impl MarchPass {
     pub(super) fn segments(&mut self, gpu: &Gpu) -> Result<&wgpu::ComputePipeline> {
         let pipeline = match self.segments.take() {
             Some(pipeline) => pipeline,
-            None => self.compile(gpu, "segments", &[])?,
+            None => self.compile(gpu, "segments", &[("BOUND", "none")])?,
         };
         Ok(self.segments.insert(pipeline))
     }

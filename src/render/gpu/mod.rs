@@ -6,6 +6,7 @@ mod faces;
 mod march;
 mod piece;
 mod present;
+mod slices;
 mod tiles;
 mod uniforms;
 
@@ -20,6 +21,7 @@ use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
 use self::march::{Count, MarchPass, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
+use self::slices::SlicesPass;
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::gpu::buffer::{GrowBuffer, KeptBuffer, read_back};
@@ -27,6 +29,8 @@ use crate::gpu::texture::VolumeTexture;
 use crate::gpu::timer::SpanTimer;
 use crate::gpu::{AdapterKind, Gpu};
 use crate::octree::Hull;
+use crate::render::block_words::BlockWords;
+use crate::render::slices::Slices;
 use crate::render::{FrameTimes, ms_since};
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Counters, Picture, Progress, Scene};
@@ -57,15 +61,22 @@ pub(super) struct Job<'a> {
     pub(super) parts: Vec<Part<'a>>,
     /// Tells each tile its segments.
     pub(super) masks: Option<&'a BeamMasks>,
-    /// What the method's own shader reads of every block, and its name.
-    pub(super) blocks: Option<(u64, &'a [u32])>,
+    /// What the method's own shader reads of every block.
+    pub(super) blocks: Option<&'a BlockWords>,
     /// Leaf block edge in voxels.
     pub(super) block: usize,
     /// Boxes (local coordinates) outside which nothing is visible.
     pub(super) active: &'a [[DVec3; 2]],
+    /// What is drawn in place of rays, where anything is.
+    pub(super) slices: Option<Slices>,
 }
 
 impl Job<'_> {
+    /// What the method's own shader reads of every block, after its name.
+    fn block_words(&self) -> Option<(u64, &[u32])> {
+        self.blocks.map(|words| (words.id, &words.content[..]))
+    }
+
     /// Leaf blocks along x, y, z.
     fn block_dims(&self) -> [u32; 3] {
         let dims = self.scene.volume.dims;
@@ -97,6 +108,10 @@ pub(super) struct GpuBackend {
     mode: GrowBuffer,
     timer: SpanTimer,
     present: Option<PresentPass>,
+    slices: Option<SlicesPass>,
+    corners: GrowBuffer,
+    /// What slices are blended into.
+    picture: Option<wgpu::Texture>,
     progress_of_job: Arc<Progress>,
 }
 
@@ -154,6 +169,9 @@ impl GpuBackend {
             view_layout,
             gpu,
             present: None,
+            slices: None,
+            corners: GrowBuffer::new("slices", Usage::VERTEX),
+            picture: None,
             progress_of_job: progress,
         })
     }
@@ -203,8 +221,9 @@ impl GpuBackend {
                 is_new = true;
             }
         }
-        is_new |= job.blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
-        self.blocks.holding(&self.gpu, job.blocks);
+        let blocks = job.block_words();
+        is_new |= blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
+        self.blocks.holding(&self.gpu, blocks);
         if is_new {
             // Else the copies would wait for the frame's submission, and count as part of it.
             self.gpu.queue.submit([]);
@@ -220,7 +239,9 @@ impl GpuBackend {
         let largest = largest_piece(job, &self.gpu.device.limits());
         let [width, height] = job.scene.frame.size.map(|n| u64::from(n.min(largest)));
         faces.map(FaceBuffers::bytes).sum::<u64>()
-            + job.blocks.map_or(0, |(_, words)| size_of_val(words) as u64)
+            + job
+                .block_words()
+                .map_or(0, |(_, words)| size_of_val(words) as u64)
             + width * height * 4 * u64::from(ray_words(job))
     }
 
@@ -254,6 +275,9 @@ impl GpuBackend {
 
     /// Draws a picture with counters: the same bits.
     pub(super) fn count(&mut self, job: &Job) -> Result<CountedPicture> {
+        if job.slices.is_some() {
+            return self.count_slices(job);
+        }
         let size = job.scene.frame.size;
         let pixels = size[0] as usize * size[1] as usize;
         let mut rgba = vec![[0.0; 4]; pixels];
@@ -350,6 +374,7 @@ impl GpuBackend {
                 self.gpu.wait()?;
                 times.frame_ms += ms_since(start);
                 match self.timer.read_ms(&self.gpu)? {
+                    Some(ms) if job.slices.is_some() => times.raster_ms += ms[RASTER as usize],
                     Some(ms) => {
                         times.raster_ms += if job.parts.is_empty() && job.skip != Skip::SegmentList
                         {

@@ -28,6 +28,9 @@ impl GpuBackend {
                 ),
             ));
         }
+        if let Some(slices) = &job.slices {
+            return self.draw_slices(job, slices, piece, count == Count::On);
+        }
         let gpu = &self.gpu;
         let frame = job.scene.frame;
 
@@ -67,7 +70,7 @@ impl GpuBackend {
             .reserve(gpu, if resumes { pixels * 4 } else { 0 });
         let counted = if count == Count::On { pixels * 16 } else { 0 };
         let work = self.work.reserve(gpu, counted);
-        let blocks = self.blocks.holding(gpu, job.blocks);
+        let blocks = self.blocks.holding(gpu, job.block_words());
         let ray_bytes = pixels * 4 * u64::from(ray_words(job));
         let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
         let table = self.table.write(gpu, job.scene.table.rgba());
@@ -89,6 +92,7 @@ impl GpuBackend {
             skip: if is_first { Skip::Box } else { job.skip }.method().shader,
             sampler: job.scene.sampler,
             mode: job.scene.mode.row().shader,
+            is_bounded: job.blocks.is_some_and(|words| words.majorants.is_some()),
             count,
         };
         let mut encoder = gpu
@@ -215,6 +219,6 @@ impl GpuBackend {
     }
 }
 
-fn bind(binding: u32, resource: wgpu::BindingResource<'_>) -> wgpu::BindGroupEntry<'_> {
+pub(super) fn bind(binding: u32, resource: wgpu::BindingResource<'_>) -> wgpu::BindGroupEntry<'_> {
     wgpu::BindGroupEntry { binding, resource }
 }

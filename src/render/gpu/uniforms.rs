@@ -45,6 +45,10 @@ pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch
         takes_runs: u32::from(job.masks.is_some()),
         block_dims: job.block_dims(),
         ray_words: ray_words(job),
+        majorants: job.blocks.and_then(|words| words.majorants).unwrap_or(0),
+        pad1: 0,
+        pad2: 0,
+        pad3: 0,
     }
 }
 

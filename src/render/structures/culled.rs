@@ -10,6 +10,7 @@ use super::near::near_first;
 use crate::cpu::CpuPlan;
 use crate::mode::Activity;
 use crate::octree::{Accelerator, Hull, Occupancy};
+use crate::render::block_words::BlockWords;
 use crate::render::{Preparation, Settings, ms_since};
 use crate::scene::Scene;
 use crate::skip::beam_masks::BeamMasks;
@@ -36,19 +37,7 @@ pub(super) struct Culled {
     pub(super) cpu_plans: Vec<CpuPlan>,
     pub(super) masks: Option<BeamMasks>,
     /// What shaders of their own read of every block, by method.
-    pub(super) words: Vec<Words>,
-}
-
-/// What one method's shader reads of every block.
-pub(super) struct Words {
-    /// Names them among all that is on the device.
-    pub(super) id: u64,
-    pub(super) skip: Skip,
-    /// The table that they were made for.
-    pub(super) table: Arc<Table>,
-    pub(super) content: Vec<u32>,
-    /// What making them took.
-    pub(super) ms: f64,
+    pub(super) words: Vec<BlockWords>,
 }
 
 impl Culled {
@@ -82,10 +71,9 @@ impl Culled {
         }
     }
 
-    /// What a method's own shader reads, and its name.
-    pub(super) fn words_of(&self, skip: Skip) -> Option<(u64, &[u32])> {
-        let found = self.words.iter().find(|w| w.skip == skip)?;
-        Some((found.id, &found.content))
+    /// What the settings' method reads of every block, if that was made.
+    pub(super) fn words_of(&self, settings: &Settings) -> Option<&BlockWords> {
+        self.words.iter().find(|w| w.are_of(settings))
     }
 
     /// The axis that the settings' method cuts across, and where it does.
@@ -154,16 +142,19 @@ impl Culled {
         self.hulls.len() - 1
     }
 
-    /// What stands for one method, which rasterises the hulls at these places.
+    /// What stands for the settings' method, which rasterises the hulls at these places.
     pub(super) fn preparation(
         &self,
-        skip: Skip,
+        settings: &Settings,
         hulls: &[usize],
         accelerator: &Accelerator,
         build_ms: f64,
     ) -> Preparation {
-        let words = self.words.iter().find(|w| w.skip == skip);
-        let masks = self.masks.as_ref().filter(|_| skip == Skip::BeamMasks);
+        let words = self.words_of(settings);
+        let masks = self
+            .masks
+            .as_ref()
+            .filter(|_| settings.skip == Skip::BeamMasks);
         let hulls = hulls
             .iter()
             .map(|&i| size_of_val(&self.hulls[i].1.faces[..]));
