@@ -267,7 +267,8 @@ fn a_ray_leaves_out_blocks_that_lie_no_higher_than_what_it_has_seen() {
         let [few, all] = samples(Mode::Mip(window), behind);
         assert!(all > 79.0 && few < 45.0, "{skip:?}: {few} of {all}");
         let [few, all] = samples(Mode::Mip(window), before);
-        assert!(few > 40.0 && few < 70.0, "{skip:?}: {few} of {all}");
+        // All is as high as what was seen or higher, but for one block of the last layer.
+        assert!(few > 70.0 && few < 75.0, "{skip:?}: {few} of {all}");
         // The darkest layer comes first: nothing behind it is darker.
         let [few, all] = samples(Mode::Minip(low_to_high), behind);
         assert!(few < 0.4 * all, "{skip:?}: {few} of {all}");

@@ -21,7 +21,7 @@ use super::values;
 
 const EXAMPLES: &str = "\
 Examples:
-  hollowcast gallery data/qim3d_shell.nrrd data/stent.nrrd -o docs/gallery.png
+  hollowcast gallery data/qim3d_shell.nrrd -o docs/gallery.png
 
 Every mode has the parameters that suit the volume. Minip, which shows what is darkest, would show the air around things:
 it is given a slab through the middle, across the view.";
