@@ -13,12 +13,20 @@ macro_rules! shaders {
 
 shaders![
     "faces",
+    "gradients",
     "march",
     "present",
     "segments",
     "count/contributing.inc",
     "count/off.inc",
     "count/on.inc",
+    "cue/off.inc",
+    "cue/on.inc",
+    "fetch/exact.inc",
+    "fetch/filter.inc",
+    "gradient/exact.inc",
+    "gradient/filter.inc",
+    "gradient/fly.inc",
     "mode/emission_absorption.inc",
     "mode/grey.inc",
     "mode/mean.inc",
@@ -32,7 +40,10 @@ shaders![
     "sample/hardware.inc",
     "sample/nearest.inc",
     "sample/post.inc",
+    "sample/tricubic.inc",
+    "sample/tricubic_exact.inc",
     "shared/blocks.inc",
+    "shared/bspline.inc",
     "shared/first_hit.inc",
     "shared/highest.inc",
     "shared/march_settings.inc",
@@ -137,21 +148,35 @@ mod tests {
         };
         let mut composed = vec![
             compose("faces", &[]).unwrap(),
+            compose("gradients", &[]).unwrap(),
             compose("present", &[]).unwrap(),
             compose("segments", &[]).unwrap(),
         ];
+        let march = |skip, sampler, mode, count, gradient, cue| {
+            let choices = [
+                ("SKIP", skip),
+                ("SAMPLER", sampler),
+                ("MODE", mode),
+                ("COUNT", count),
+                ("GRADIENT", gradient),
+                ("CUE", cue),
+            ];
+            compose("march", &choices).unwrap()
+        };
         for skip in names("skip/") {
             for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
                 for mode in names("mode/") {
                     for count in names("count/") {
-                        let choices = [
-                            ("SKIP", skip),
-                            ("SAMPLER", sampler),
-                            ("MODE", mode),
-                            ("COUNT", count),
-                        ];
-                        composed.push(compose("march", &choices).unwrap());
+                        composed.push(march(skip, sampler, mode, count, "fly", "off"));
                     }
+                }
+            }
+        }
+        // Gradients and cues are the modes' alone.
+        for mode in names("mode/") {
+            for gradient in names("gradient/") {
+                for cue in names("cue/") {
+                    composed.push(march("bounds", "hardware", mode, "off", gradient, cue));
                 }
             }
         }

@@ -28,8 +28,9 @@ type Outcomes = BTreeMap<String, Vec<String>>;
 /// As [`Renderer::render`].
 pub(super) fn withdrawn(renderer: &mut Renderer, kept: Option<&Path>) -> Result<Vec<Skip>> {
     let info = renderer.info();
-    // Another version of the program has other shaders and methods: what was found of those says nothing of these.
-    let tried: Vec<&str> = candidates().map(|m| m.name).collect();
+    // Another version of the program has other shaders, methods and samplers: what was found of those says nothing of these.
+    let samplers = Sampler::ALL.iter().map(|s| s.name());
+    let tried: Vec<&str> = candidates().map(|m| m.name).chain(samplers).collect();
     let key = format!(
         "{} | {} | hollowcast {} | {}",
         info.adapter,

@@ -3,6 +3,7 @@
 mod before;
 mod dispatch;
 mod faces;
+mod gradients;
 mod march;
 mod present;
 mod tiles;
@@ -17,7 +18,8 @@ use glam::DVec3;
 use self::before::{largest_piece, list_segments, ray_words};
 use self::dispatch::dispatches;
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
-use self::march::{Count, March, MarchPass, SETTINGS_STRIDE, uniform};
+use self::gradients::GradientVolume;
+use self::march::{Count, Gradient, March, MarchPass, SETTINGS_STRIDE, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
 use self::tiles::{TileMask, tile_runs};
@@ -64,11 +66,19 @@ pub(super) struct Job<'a> {
     pub(super) blocks: Option<(u64, &'a [u32])>,
     /// Leaf block edge in voxels.
     pub(super) block: usize,
+    /// How far two stored numbers of the volume can lie apart.
+    pub(super) stored_span: f64,
     /// Boxes (local coordinates) outside which nothing is visible.
     pub(super) active: &'a [[DVec3; 2]],
 }
 
 impl Job<'_> {
+    /// Edge in voxels of the cells of the volume of gradients that the mode reads, if it does.
+    fn gradient_edge(&self) -> Option<usize> {
+        let reads = self.scene.mode.takes_gradients();
+        self.scene.gradients.cell_edge().filter(|_| reads)
+    }
+
     /// Leaf blocks along x, y, z.
     fn block_dims(&self) -> [u32; 3] {
         let dims = self.scene.volume.dims;
@@ -84,6 +94,7 @@ pub(super) struct GpuBackend {
     march: MarchPass,
     march_filterable: bool,
     volume: Option<VolumeTexture>,
+    gradients: Option<GradientVolume>,
     bounds: Option<BoundsTexture>,
     kept_faces: HashMap<(u64, usize), Option<FaceBuffers>>,
     views: GrowBuffer,
@@ -140,6 +151,7 @@ impl GpuBackend {
             march: MarchPass::new(&gpu, true),
             march_filterable: true,
             volume: None,
+            gradients: None,
             bounds: None,
             kept_faces: HashMap::new(),
             views: GrowBuffer::new("view", Usage::UNIFORM),
@@ -169,6 +181,7 @@ impl GpuBackend {
     pub(super) fn set_volume(&mut self, volume: &Volume) -> Result<()> {
         // The old texture goes first: both need not fit.
         self.volume = None;
+        self.gradients = None;
         self.kept_faces.clear();
         self.blocks.clear();
         let resident = VolumeTexture::upload(&self.gpu, volume)?;
@@ -191,6 +204,32 @@ impl GpuBackend {
         }
     }
 
+    /// Forgets the volume of gradients.
+    pub(super) fn drop_gradients(&mut self) {
+        self.gradients = None;
+    }
+
+    /// Fills the volume of gradients that the job reads, unless it stands, and tells how long that took; 0 where the job
+    /// reads none.
+    pub(super) fn make_gradients(&mut self, job: &Job) -> Result<f64> {
+        let scene = &job.scene;
+        let (Some(edge), Some(volume)) = (job.gradient_edge(), &self.volume) else {
+            return Ok(0.0);
+        };
+        if let Some(kept) = &self.gradients
+            && kept.gradients == scene.gradients
+        {
+            return Ok(kept.build_ms);
+        }
+        // The old one goes first: both need not fit.
+        self.gradients = None;
+        let span = job.stored_span / volume.stored_per_raw;
+        let dims = scene.volume.dims;
+        let filled =
+            GradientVolume::fill(&self.gpu, &volume.view, dims, scene.gradients, edge, span)?;
+        Ok(self.gradients.insert(filled).build_ms)
+    }
+
     /// Uploads what the job's parts need and is not there yet; buffers of other structures are dropped.
     pub(super) fn prepare(&mut self, job: &Job) -> Result<()> {
         if let Some(structure) = job.parts.first().map(|p| p.key.0) {
@@ -208,6 +247,7 @@ impl GpuBackend {
         }
         is_new |= job.blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
         self.blocks.holding(&self.gpu, job.blocks);
+        self.make_gradients(job)?;
         if is_new {
             // Else the copies would wait for the frame's submission, and count as part of it.
             self.gpu.queue.submit([]);
@@ -225,6 +265,12 @@ impl GpuBackend {
         faces.map(FaceBuffers::bytes).sum::<u64>()
             + job.blocks.map_or(0, |(_, words)| size_of_val(words) as u64)
             + width * height * 4 * u64::from(ray_words(job))
+            + self.gradients_of(job).map_or(0, |g| g.bytes)
+    }
+
+    /// The volume of gradients that the job reads.
+    fn gradients_of(&self, job: &Job) -> Option<&GradientVolume> {
+        job.gradient_edge().and(self.gradients.as_ref())
     }
 
     /// Draws a picture and leaves it on the device: what is timed.
@@ -374,7 +420,7 @@ impl GpuBackend {
         let Some(volume) = &self.volume else {
             return Err(Error::Gpu("no volume was set".to_owned()));
         };
-        if job.scene.sampler == Sampler::Hardware && !volume.filterable {
+        if job.scene.sampler.is_filtered() && !volume.filterable {
             return Err(Error::setting(
                 "sampler",
                 format!(
@@ -384,6 +430,7 @@ impl GpuBackend {
             ));
         }
         let gpu = &self.gpu;
+        let gradients = job.gradient_edge().and(self.gradients.as_ref());
         let frame = job.scene.frame;
 
         // The tiles that can show anything.
@@ -426,7 +473,12 @@ impl GpuBackend {
         let ray_bytes = pixels * 4 * u64::from(ray_words(job));
         let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
         let table = self.table.write(gpu, job.scene.table.rgba());
-        let mode = self.mode.write(gpu, &[mode_of(job)]);
+        let mode = self
+            .mode
+            .write(gpu, &[mode_of(job, volume, gradients)]);
+
+        // What is not read is bound all the same: to the voxels.
+        let gradient_view = gradients.map_or(&volume.view, |g| &g.view);
 
         let segments = job.parts.len();
         if self
@@ -445,6 +497,12 @@ impl GpuBackend {
             sampler: job.scene.sampler,
             mode: job.scene.mode.row().shader,
             count,
+            gradient: match gradients {
+                None => Gradient::Fly,
+                Some(_) if job.scene.sampler.is_filtered() => Gradient::Filter,
+                Some(_) => Gradient::Exact,
+            },
+            is_cued: job.scene.depth_cue > 0.0,
         };
         let mut encoder = gpu
             .device
@@ -517,6 +575,7 @@ impl GpuBackend {
                 bind(6, wgpu::BindingResource::Sampler(&filter)),
                 bind(7, table.as_entire_binding()),
                 bind(8, mode.as_entire_binding()),
+                bind(9, wgpu::BindingResource::TextureView(gradient_view)),
             ],
         });
         let skip_group = |notes: &wgpu::Buffer, reads: &wgpu::Buffer| {
