@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::lattice::Clipping;
 use crate::mode::Mode;
 use crate::render::{Renderer, Settings};
-use crate::sample::Sampler;
+use crate::sample::{Gradients, Sampler};
 use crate::scene::Picture;
 use crate::skip::{Cuts, METHODS, Skip};
 use crate::transfer::TransferFunction;
@@ -211,6 +211,8 @@ pub struct Verifier<'a> {
     /// What is compared with box.
     methods: Vec<Skip>,
     mode: Mode,
+    gradients: Gradients,
+    depth_cue: f64,
     clipping: Clipping,
     cuts: Cuts,
     size: [u32; 2],
@@ -238,6 +240,8 @@ impl<'a> Verifier<'a> {
             transfer,
             methods,
             mode: Mode::EmissionAbsorption,
+            gradients: Gradients::Fly,
+            depth_cue: 0.0,
             clipping: Clipping::NONE,
             cuts,
             size,
@@ -257,6 +261,16 @@ impl<'a> Verifier<'a> {
         Self { mode, ..self }
     }
 
+    /// Draws with gradients from here, and with a depth cue of this strength.
+    #[must_use]
+    pub fn with_shading(self, gradients: Gradients, depth_cue: f64) -> Self {
+        Self {
+            gradients,
+            depth_cue,
+            ..self
+        }
+    }
+
     /// Draws what these planes leave.
     #[must_use]
     pub fn with_clipping(self, clipping: Clipping) -> Self {
@@ -271,6 +285,8 @@ impl<'a> Verifier<'a> {
         let mut settings = Settings {
             sampler: Some(case.sampler),
             mode: self.mode,
+            gradients: self.gradients,
+            depth_cue: self.depth_cue,
             block: case.block,
             step_voxels: case.step_edges * self.volume.extent().max_element(),
             ert: case.ert,

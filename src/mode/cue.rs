@@ -56,8 +56,12 @@ impl DepthCue {
             Mode::Mip(_) | Mode::Minip(_) | Mode::Mean(_) => {
                 format!("{} shows values, at no depth of their own", mode.name())
             }
-            Mode::Normals { .. } => "the colours of normals are directions, and must not fade".to_owned(),
-            _ if backend == "cpu" => "the cpu backend does not have it; gpu, reference have it".to_owned(),
+            Mode::Normals { .. } => {
+                "the colours of normals are directions, and must not fade".to_owned()
+            }
+            _ if backend == "cpu" => {
+                "the cpu backend does not have it; gpu, reference have it".to_owned()
+            }
             _ => return Ok(()),
         };
         Err(Error::setting("depth cue", reason))
@@ -87,7 +91,10 @@ mod tests {
         };
         // The nearest corner is (0, 5), the farthest (10, 0): 10 local units deeper.
         let cue = DepthCue::new(0.5, &frame(DVec3::new(0.0, 5.0, 1.0)));
-        assert_eq!([cue.light(0.0), cue.light(5.0), cue.light(10.0)], [1.0, 0.75, 0.5]);
+        assert_eq!(
+            [cue.light(0.0), cue.light(5.0), cue.light(10.0)],
+            [1.0, 0.75, 0.5]
+        );
         assert_eq!([cue.light(-3.0), cue.light(30.0)], [1.0, 0.5]);
         // From the middle on, where the eye is there.
         let cue = DepthCue::new(0.5, &frame(DVec3::new(5.0, 2.5, 1.0)));

@@ -80,7 +80,8 @@ fn of_cell<V: Copy + Into<f64>>(
     cell: [usize; 3],
 ) -> [f64; 3] {
     let along = |axis: usize| cell[axis] * edge..((cell[axis] + 1) * edge).min(dims[axis]);
-    let stored = |at: [usize; 3]| -> f64 { voxels[(at[2] * dims[1] + at[1]) * dims[0] + at[0]].into() };
+    let stored =
+        |at: [usize; 3]| -> f64 { voxels[(at[2] * dims[1] + at[1]) * dims[0] + at[0]].into() };
     let mut sum = [0.0; 3];
     for z in along(2) {
         for y in along(1) {

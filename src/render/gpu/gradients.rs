@@ -78,7 +78,12 @@ impl GradientVolume {
             ))
         })?;
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let scale = f64::exp2((LARGEST / span.max(f64::MIN_POSITIVE)).log2().floor().clamp(-96.0, 96.0));
+        let scale = f64::exp2(
+            (LARGEST / span.max(f64::MIN_POSITIVE))
+                .log2()
+                .floor()
+                .clamp(-96.0, 96.0),
+        );
 
         let (layout, pipeline) = gpu.checked(|| pipeline(gpu))??;
         let mut uniforms = GrowBuffer::new("gradient cells", wgpu::BufferUsages::UNIFORM);

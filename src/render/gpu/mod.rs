@@ -473,9 +473,7 @@ impl GpuBackend {
         let ray_bytes = pixels * 4 * u64::from(ray_words(job));
         let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
         let table = self.table.write(gpu, job.scene.table.rgba());
-        let mode = self
-            .mode
-            .write(gpu, &[mode_of(job, volume, gradients)]);
+        let mode = self.mode.write(gpu, &[mode_of(job, volume, gradients)]);
 
         // What is not read is bound all the same: to the voxels.
         let gradient_view = gradients.map_or(&volume.view, |g| &g.view);

@@ -1,0 +1,55 @@
+//! A background lies behind the pictures of every mode, as far as they are transparent.
+
+use std::path::Path;
+use std::process::Command;
+
+use hollowcast::mode::MODES;
+
+/// Straight sRGB bytes of a PNG's pixels.
+fn pixels(path: &Path) -> Vec<[u8; 4]> {
+    let picture = image::open(path).unwrap().to_rgba8();
+    picture.pixels().map(|p| p.0).collect()
+}
+
+#[test]
+fn every_mode_lies_over_the_background() {
+    let folder = tempfile::tempdir().unwrap();
+    for row in MODES {
+        let draw = |background: &str| {
+            let path = folder.path().join("picture.png");
+            let output = Command::new(env!("CARGO_BIN_EXE_hollowcast"))
+                .args(["render", "phantom:sphere:24", "--backend", "reference"])
+                .args(["--size", "32x32", "--method", "box", "--step", "1"])
+                .args(["--mode", row.name, "--background", background, "-o"])
+                .arg(&path)
+                .output()
+                .unwrap();
+            assert!(output.status.success(), "{}: {output:?}", row.name);
+            pixels(&path)
+        };
+        let [none, teal] = [draw("none"), draw("#20a0c0")];
+        assert!(teal.iter().all(|p| p[3] == 255), "{}", row.name);
+        // The corner's ray misses the box.
+        assert_eq!(
+            (none[0][3], teal[0]),
+            (0, [0x20, 0xa0, 0xc0, 255]),
+            "{}",
+            row.name
+        );
+        for (none, teal) in none.iter().zip(&teal) {
+            // What is opaque hides it, what is not lets it through.
+            assert_eq!(
+                none[3] == 255,
+                none[3] == 255 && none == teal,
+                "{}",
+                row.name
+            );
+            assert!(
+                none[3] > 0 || *teal == [0x20, 0xa0, 0xc0, 255],
+                "{}",
+                row.name
+            );
+        }
+        assert!(none.iter().any(|p| p[3] > 30), "{} shows nothing", row.name);
+    }
+}
