@@ -150,9 +150,9 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
             for y in 0..4 {
                 let row = (voxel(2, z) * self.dims[1] + voxel(1, y)) * self.dims[0];
                 let weight = weights[2][z] * weights[1][y];
-                for x in 0..4 {
+                for (x, along_x) in weights[0].into_iter().enumerate() {
                     let stored: f64 = self.voxels[row + voxel(0, x)].into();
-                    sum += weight * weights[0][x] * stored;
+                    sum += weight * along_x * stored;
                 }
             }
         }
