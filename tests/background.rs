@@ -44,11 +44,9 @@ fn every_mode_lies_over_the_background() {
                 "{}",
                 row.name
             );
-            assert!(
-                none[3] > 0 || *teal == [0x20, 0xa0, 0xc0, 255],
-                "{}",
-                row.name
-            );
+            // Half of the least opacity that a byte tells moves a byte of colour by one at most.
+            let is_near = |c: usize| teal[c].abs_diff([0x20, 0xa0, 0xc0][c]) <= 1;
+            assert!(none[3] > 0 || (0..3).all(is_near), "{}", row.name);
         }
         assert!(none.iter().any(|p| p[3] > 30), "{} shows nothing", row.name);
     }

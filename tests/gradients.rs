@@ -1,7 +1,7 @@
 //! Volumes of gradients and depth cues: right by a closed form, near the f64 reference, and not changed in any bit by
 //! skipping. These tests fail, not skip, where there is no adapter.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 
 use glam::DVec3;
 use hollowcast::camera::{Camera, Projection};
@@ -19,8 +19,13 @@ fn made(name: &str) -> Arc<Volume> {
     Arc::new(phantom::make(name, [38, 34, 42]).unwrap())
 }
 
-fn gpu() -> Renderer {
-    Renderer::new(BackendChoice::Gpu).expect("these tests need an adapter: mesa-vulkan-drivers")
+/// One renderer for all tests: devices are dear on a software driver.
+fn gpu() -> MutexGuard<'static, Renderer> {
+    static RENDERER: LazyLock<Mutex<Renderer>> = LazyLock::new(|| {
+        let renderer = Renderer::new(BackendChoice::Gpu);
+        Mutex::new(renderer.expect("these tests need an adapter: mesa-vulkan-drivers"))
+    });
+    RENDERER.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn show(renderer: &mut Renderer, volume: &Arc<Volume>) -> TransferFunction {
@@ -120,7 +125,7 @@ fn normals_of_a_ball_are_those_of_its_closed_form_to_the_volume_s_resolution() {
             ..settings(normals, camera)
         };
         let mut pictures = Vec::new();
-        for renderer in [&mut gpu, &mut reference] {
+        for renderer in [&mut *gpu, &mut reference] {
             if before == 0.0 {
                 show(renderer, &volume);
             }
