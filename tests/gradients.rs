@@ -115,10 +115,10 @@ fn normals_of_a_ball_are_those_of_its_closed_form_to_the_volume_s_resolution() {
     let mut before = 0.0;
     // About twice what was measured, in degrees on average.
     for (gradients, bound) in [
-        (Gradients::Fly, 0.1),
-        (Gradients::Full, 0.1),
-        (Gradients::Half, 0.2),
-        (Gradients::Quarter, 0.6),
+        (Gradients::Fly, 0.06),
+        (Gradients::Full, 0.06),
+        (Gradients::Half, 0.06),
+        (Gradients::Quarter, 0.08),
     ] {
         let settings = Settings {
             gradients,
@@ -188,7 +188,7 @@ fn lit_modes_with_a_volume_of_gradients_are_near_the_reference_and_counted() {
             println!("{told}");
             assert!(db >= 60.0, "{told}");
             // Of a trilinear field both are the same, but for half floats.
-            assert!(gradients != Gradients::Full || off >= 55.0, "{told}");
+            assert!(gradients != Gradients::Full || off >= 80.0, "{told}");
         }
     }
 }
