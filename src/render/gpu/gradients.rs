@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use super::march::uniform;
+use super::march::{Gradient, uniform};
+use super::{GpuBackend, Job};
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::gpu::abi::GradientCells;
@@ -36,6 +37,51 @@ pub(super) struct GradientVolume {
     pub(super) bytes: u64,
     /// Time that filling it took.
     pub(super) build_ms: f64,
+}
+
+impl Job<'_> {
+    /// Edge in voxels of the cells of the volume of gradients that the mode reads, if it does.
+    pub(super) fn gradient_edge(&self) -> Option<usize> {
+        let reads = self.scene.mode.takes_gradients();
+        self.scene.gradients.cell_edge().filter(|_| reads)
+    }
+
+    /// Where its marcher takes gradients from.
+    pub(super) fn gradient(&self) -> Gradient {
+        match self.gradient_edge() {
+            None => Gradient::Fly,
+            Some(_) if self.scene.sampler.is_filtered() => Gradient::Filter,
+            Some(_) => Gradient::Exact,
+        }
+    }
+}
+
+impl GpuBackend {
+    /// Forgets the volume of gradients.
+    pub(in crate::render) fn drop_gradients(&mut self) {
+        self.gradients = None;
+    }
+
+    /// Fills the volume of gradients that the job reads, unless it stands, and tells how long that took; 0 where the job
+    /// reads none.
+    pub(in crate::render) fn make_gradients(&mut self, job: &Job) -> Result<f64> {
+        let scene = &job.scene;
+        let (Some(edge), Some(volume)) = (job.gradient_edge(), &self.volume) else {
+            return Ok(0.0);
+        };
+        if let Some(kept) = &self.gradients
+            && kept.gradients == scene.gradients
+        {
+            return Ok(kept.build_ms);
+        }
+        // The old one goes first: both need not fit.
+        self.gradients = None;
+        let span = job.stored_span / volume.stored_per_raw;
+        let dims = scene.volume.dims;
+        let filled =
+            GradientVolume::fill(&self.gpu, &volume.view, dims, scene.gradients, edge, span)?;
+        Ok(self.gradients.insert(filled).build_ms)
+    }
 }
 
 impl GradientVolume {

@@ -19,7 +19,7 @@ use self::before::{largest_piece, list_segments, ray_words};
 use self::dispatch::dispatches;
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
 use self::gradients::GradientVolume;
-use self::march::{Count, Gradient, March, MarchPass, SETTINGS_STRIDE, uniform};
+use self::march::{Count, March, MarchPass, SETTINGS_STRIDE, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
 use self::tiles::{TileMask, tile_runs};
@@ -73,12 +73,6 @@ pub(super) struct Job<'a> {
 }
 
 impl Job<'_> {
-    /// Edge in voxels of the cells of the volume of gradients that the mode reads, if it does.
-    fn gradient_edge(&self) -> Option<usize> {
-        let reads = self.scene.mode.takes_gradients();
-        self.scene.gradients.cell_edge().filter(|_| reads)
-    }
-
     /// Leaf blocks along x, y, z.
     fn block_dims(&self) -> [u32; 3] {
         let dims = self.scene.volume.dims;
@@ -204,32 +198,6 @@ impl GpuBackend {
         }
     }
 
-    /// Forgets the volume of gradients.
-    pub(super) fn drop_gradients(&mut self) {
-        self.gradients = None;
-    }
-
-    /// Fills the volume of gradients that the job reads, unless it stands, and tells how long that took; 0 where the job
-    /// reads none.
-    pub(super) fn make_gradients(&mut self, job: &Job) -> Result<f64> {
-        let scene = &job.scene;
-        let (Some(edge), Some(volume)) = (job.gradient_edge(), &self.volume) else {
-            return Ok(0.0);
-        };
-        if let Some(kept) = &self.gradients
-            && kept.gradients == scene.gradients
-        {
-            return Ok(kept.build_ms);
-        }
-        // The old one goes first: both need not fit.
-        self.gradients = None;
-        let span = job.stored_span / volume.stored_per_raw;
-        let dims = scene.volume.dims;
-        let filled =
-            GradientVolume::fill(&self.gpu, &volume.view, dims, scene.gradients, edge, span)?;
-        Ok(self.gradients.insert(filled).build_ms)
-    }
-
     /// Uploads what the job's parts need and is not there yet; buffers of other structures are dropped.
     pub(super) fn prepare(&mut self, job: &Job) -> Result<()> {
         if let Some(structure) = job.parts.first().map(|p| p.key.0) {
@@ -265,12 +233,10 @@ impl GpuBackend {
         faces.map(FaceBuffers::bytes).sum::<u64>()
             + job.blocks.map_or(0, |(_, words)| size_of_val(words) as u64)
             + width * height * 4 * u64::from(ray_words(job))
-            + self.gradients_of(job).map_or(0, |g| g.bytes)
-    }
-
-    /// The volume of gradients that the job reads.
-    fn gradients_of(&self, job: &Job) -> Option<&GradientVolume> {
-        job.gradient_edge().and(self.gradients.as_ref())
+            + job
+                .gradient_edge()
+                .and(self.gradients.as_ref())
+                .map_or(0, |g| g.bytes)
     }
 
     /// Draws a picture and leaves it on the device: what is timed.
@@ -495,11 +461,7 @@ impl GpuBackend {
             sampler: job.scene.sampler,
             mode: job.scene.mode.row().shader,
             count,
-            gradient: match gradients {
-                None => Gradient::Fly,
-                Some(_) if job.scene.sampler.is_filtered() => Gradient::Filter,
-                Some(_) => Gradient::Exact,
-            },
+            gradient: job.gradient(),
             is_cued: job.scene.depth_cue > 0.0,
         };
         let mut encoder = gpu
