@@ -122,6 +122,8 @@ pub const BLOCKS: [usize; 4] = [4, 8, 16, 32];
 pub const STEPS: [f64; 3] = [0.002, 0.005, 0.01];
 /// Early termination thresholds of the matrix.
 pub const THRESHOLDS: [f32; 2] = [0.98, 1.0];
+/// Samplers of the pairwise cases. The B-spline costs eight times as much and more: [`matrix`] tries it where it is named.
+pub const SAMPLERS: [Sampler; 3] = [Sampler::Hardware, Sampler::Exact, Sampler::Nearest];
 
 /// Every combination of the settings, with these samplers. Cases that differ in the block alone follow one another.
 pub fn matrix(samplers: &[Sampler]) -> Vec<Case> {
@@ -152,7 +154,7 @@ pub fn matrix(samplers: &[Sampler]) -> Vec<Case> {
 /// # Panics
 /// Never: cases are made of the values that are looked up.
 pub fn pairwise() -> Vec<Case> {
-    let all = matrix(Sampler::ALL);
+    let all = matrix(&SAMPLERS);
     let key = |c: &Case| {
         let position = |found: Option<usize>| found.expect("cases are made of these values");
         [
@@ -160,7 +162,7 @@ pub fn pairwise() -> Vec<Case> {
             usize::from(c.is_parallel),
             position(STEPS.iter().position(|s| *s == c.step_edges)),
             position(THRESHOLDS.iter().position(|t| *t == c.ert)),
-            position(Sampler::ALL.iter().position(|s| *s == c.sampler)),
+            position(SAMPLERS.iter().position(|s| *s == c.sampler)),
             position(BLOCKS.iter().position(|b| *b == c.block)),
         ]
     };
@@ -333,7 +335,7 @@ mod tests {
     fn pairwise_cases_hold_every_pair_in_few_cases() {
         let cases = pairwise();
         assert!(
-            cases.len() < matrix(Sampler::ALL).len() / 8,
+            cases.len() < matrix(&SAMPLERS).len() / 8,
             "{} cases",
             cases.len()
         );
