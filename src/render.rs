@@ -16,9 +16,9 @@ use crate::camera::Camera;
 use crate::cpu::{self, CpuPlan};
 use crate::error::{Error, Result};
 use crate::lattice::{Clipping, RayFrame};
-use crate::mode::Mode;
+use crate::mode::{DepthCue, Mode};
 use crate::reference;
-use crate::sample::Sampler;
+use crate::sample::{Gradients, Sampler};
 use crate::scene::{CountedPicture, Picture, Progress, Scene};
 use crate::skip::{Cuts, Plan, Skip};
 use crate::transfer::{Domain, TABLE_SIZES, Table, TransferFunction};
@@ -45,6 +45,10 @@ pub struct Settings {
     pub sampler: Option<Sampler>,
     /// WHAT is done with them.
     pub mode: Mode,
+    /// Where modes that light surfaces take gradients from; the others do not read it.
+    pub gradients: Gradients,
+    /// Share of light that colours lose at the farthest point of the box ([`DepthCue`]); 0: none.
+    pub depth_cue: f64,
     /// Leaf block edge in voxels: a power of two, 2 to 64.
     pub block: usize,
     /// Distance of two samples in voxels of the smallest spacing.
@@ -73,6 +77,8 @@ impl Settings {
             cuts: Cuts::default(),
             sampler: None,
             mode: Mode::EmissionAbsorption,
+            gradients: Gradients::Fly,
+            depth_cue: 0.0,
             block: DEFAULT_BLOCK,
             step_voxels: 0.5,
             ert: 0.98,
@@ -88,11 +94,11 @@ impl Settings {
 /// What it took to build the structures that a frame needs.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Preparation {
-    /// Building leaves and trees, in ms; structures that were kept report the time of their build.
+    /// Building leaves, trees and a volume of gradients, in ms; structures that were kept report the time of their build.
     pub preprocess_ms: f64,
     /// Culling them for the table and making faces, in ms.
     pub cull_ms: f64,
-    /// Bytes of trees, occupancy and vertex buffers.
+    /// Bytes of trees, occupancy, vertex buffers and a volume of gradients.
     pub structure_bytes: u64,
 }
 
@@ -193,6 +199,9 @@ impl Renderer {
     /// Drops all that was built for the volume: the next frame builds what it needs anew, as if it were the first.
     pub fn drop_structures(&mut self) {
         self.structures.clear();
+        if let Backend::Gpu(backend) = &mut self.backend {
+            backend.drop_gradients();
+        }
     }
 
     fn forget_volume(&mut self) {
@@ -227,6 +236,7 @@ impl Renderer {
         self.with_drawing(settings, |drawing, preparation| {
             let mut preparation = *preparation;
             if let Drawing::Gpu(backend, job) = drawing {
+                preparation.preprocess_ms += backend.make_gradients(job)?;
                 let start = Instant::now();
                 backend.prepare(job)?;
                 preparation.cull_ms += ms_since(start);
@@ -336,6 +346,7 @@ impl Renderer {
         settings.skip.check_backend(self.info.backend)?;
         settings.mode.check_backend(self.info.backend)?;
         settings.mode.check()?;
+        DepthCue::check(settings.depth_cue, &settings.mode, self.info.backend)?;
         if settings.skip == Skip::Adaptive && !settings.mode.takes_table() {
             let reason = format!(
                 "adaptive follows the transfer function, of which {} makes no use",
@@ -375,11 +386,14 @@ impl Renderer {
             frame: &frame,
             sampler,
             mode: settings.mode,
+            gradients: settings.gradients,
+            depth_cue: settings.depth_cue,
             ert: settings.ert,
         };
         self.progress.restart();
         match &mut self.backend {
             Backend::Gpu(backend) => {
+                let [low, high] = self.structures.range();
                 let (needs, preparation) = self.structures.gpu_needs(settings, &scene, &table)?;
                 let job = Job {
                     scene,
@@ -389,6 +403,7 @@ impl Renderer {
                     masks: needs.masks,
                     blocks: needs.blocks,
                     block: settings.block,
+                    stored_span: high - low,
                     active: &needs.active,
                     slices,
                 };

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use crate::error::{Error, Result};
 use crate::lattice::RayFrame;
 use crate::mode::Mode;
-use crate::sample::Sampler;
+use crate::sample::{Gradients, Sampler};
 use crate::transfer::Table;
 use crate::volume::Volume;
 
@@ -23,6 +23,10 @@ pub struct Scene<'a> {
     pub sampler: Sampler,
     /// WHAT.
     pub mode: Mode,
+    /// Where modes that light surfaces take gradients from.
+    pub gradients: Gradients,
+    /// Share of light that colours lose at the farthest point of the box ([`crate::mode::DepthCue`]); 0: none.
+    pub depth_cue: f64,
     /// Accumulated opacity at which a ray stops; 1 or more: never.
     pub ert: f32,
 }

@@ -1,9 +1,6 @@
-// The adapter's trilinear filter. Twin of sample::Sampler::Hardware.
-
-@group(0) @binding(5) var volume: texture_3d<f32>;
-@group(0) @binding(6) var volume_filter: sampler;
+// Trilinear interpolation by the adapter's filter. Twin of sample::Sampler::Hardware.
+#import fetch/filter
 
 fn sample_x(grid: vec3f) -> f32 {
-    let raw = textureSampleLevel(volume, volume_filter, grid * settings.inverse_dims, 0.0).x;
-    return (raw - settings.raw_origin) * settings.x_scale;
+    return (fetch_at(grid) - settings.raw_origin) * settings.x_scale;
 }

@@ -2,6 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use hollowcast::mode::{Light, Lighting, MODES, Mode, ModeRow, Window};
+use hollowcast::sample::Gradients;
 use hollowcast::volume::Statistics;
 use hollowcast::{Error, Result};
 
@@ -58,9 +59,28 @@ pub(super) struct ModeArgs {
     /// Opacity of the outer of two surfaces [default: 0.3]
     #[arg(long, value_name = "OPACITY", allow_hyphen_values = true)]
     outer_opacity: Option<f64>,
+
+    /// Where shaded, normals, phong, two-surfaces take gradients from: central differences on the fly, or a volume of them at
+    /// full, half or quarter resolution [default: fly]
+    #[arg(long, value_parser = values::named(Gradients::ALL, Gradients::name))]
+    gradients: Option<Gradients>,
+
+    /// Share of light that colours lose at the farthest point of the box, 0 to 1; not in mip, minip, mean, normals
+    #[arg(
+        long,
+        value_name = "STRENGTH",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    pub(super) depth_cue: f64,
 }
 
 impl ModeArgs {
+    /// Where gradients come from.
+    pub(super) fn gradients(&self) -> Gradients {
+        self.gradients.unwrap_or(Gradients::Fly)
+    }
+
     /// The mode for data of these statistics. What the user should know of it goes to stderr.
     pub(super) fn mode(&self, statistics: &Statistics) -> Result<Mode> {
         let mut left = Left(self.given());
@@ -99,6 +119,9 @@ impl ModeArgs {
                 left.put("--surface-color", self.surface_color, color);
                 self.light_up(lighting, &mut left);
             }
+        }
+        if mode.takes_gradients() {
+            left.put("--gradients", None, &mut ());
         }
         if let Some(flag) = left.0.first() {
             let reason = format!("the mode {} does not read it", mode.name());
@@ -144,6 +167,7 @@ impl ModeArgs {
             ("--surface-color", self.surface_color.is_some()),
             ("--outer-color", self.outer_color.is_some()),
             ("--outer-opacity", self.outer_opacity.is_some()),
+            ("--gradients", self.gradients.is_some()),
         ];
         let given = flags.iter().filter(|(_, is_given)| *is_given);
         given.map(|(flag, _)| *flag).collect()

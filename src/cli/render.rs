@@ -31,6 +31,7 @@ Examples:
   hollowcast render pot_256x256x178_uint8.raw --tf ramp:40:255:0.3 --step 0.002u --pad-cube
   hollowcast render scan.nii.gz --camera 'eye=64,64,10;target=64,64,100;up=0,1,0' --background '#20242c'
   hollowcast render scan.nrrd --mode phong --iso 90 --light 1,-1,2 --background white
+  hollowcast render scan.nrrd --mode shaded --gradients half --sampler tricubic --depth-cue 0.6 --background black
   hollowcast render scan.nrrd --mode mip --window 40:200 --background black
   hollowcast render scan.nrrd --mode mip --renderer slices --slices 106 --backend gpu
   hollowcast render scan.mha --repeat 20 --json
@@ -297,6 +298,8 @@ fn facts(
         "slices": settings.slices.map(|count| count.to_string()),
         "method": settings.skip.method().name,
         "mode": settings.mode.name(),
+        "gradients": settings.mode.takes_gradients().then(|| settings.gradients.name()),
+        "depth_cue": settings.depth_cue,
         "sampler": rendered.sampler.name(),
         "step_voxels": settings.step_voxels,
         "block": settings.block,

@@ -77,6 +77,8 @@ impl SceneArgs {
             cuts: self.cuts(),
             sampler: self.sampler,
             mode,
+            gradients: self.mode.gradients(),
+            depth_cue: self.mode.depth_cue,
             block,
             step_voxels,
             ert: self.ert,

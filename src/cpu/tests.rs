@@ -278,6 +278,8 @@ impl Made {
             frame: &self.frame,
             sampler: Sampler::Exact,
             mode: Mode::EmissionAbsorption,
+            gradients: crate::sample::Gradients::Fly,
+            depth_cue: 0.0,
             ert,
         }
     }

@@ -13,6 +13,7 @@ macro_rules! shaders {
 
 shaders![
     "faces",
+    "gradients",
     "march",
     "present",
     "segments",
@@ -24,6 +25,13 @@ shaders![
     "count/contributing.inc",
     "count/off.inc",
     "count/on.inc",
+    "cue/off.inc",
+    "cue/on.inc",
+    "fetch/exact.inc",
+    "fetch/filter.inc",
+    "gradient/exact.inc",
+    "gradient/filter.inc",
+    "gradient/fly.inc",
     "mode/emission_absorption.inc",
     "mode/grey.inc",
     "mode/mean.inc",
@@ -37,7 +45,10 @@ shaders![
     "sample/hardware.inc",
     "sample/nearest.inc",
     "sample/post.inc",
+    "sample/tricubic.inc",
+    "sample/tricubic_exact.inc",
     "shared/blocks.inc",
+    "shared/bspline.inc",
     "shared/first_hit.inc",
     "shared/highest.inc",
     "shared/march_settings.inc",
@@ -142,37 +153,58 @@ mod tests {
         };
         let mut composed = vec![
             compose("faces", &[]).unwrap(),
+            compose("gradients", &[]).unwrap(),
             compose("present", &[]).unwrap(),
             compose("segments", &[("BOUND", "none")]).unwrap(),
         ];
         for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
             for mode in ["emission_absorption", "grey", "mip", "minip"] {
                 for blend in names("blend/") {
-                    let choices = [("SAMPLER", sampler), ("MODE", mode), ("BLEND", blend)];
+                    let choices = [
+                        ("SAMPLER", sampler),
+                        ("MODE", mode),
+                        ("CUE", "off"),
+                        ("BLEND", blend),
+                    ];
                     composed.push(compose("slices", &choices).unwrap());
                 }
             }
         }
+        let march = |skip, sampler, mode, bound, count, gradient, cue| {
+            let choices = [
+                ("SKIP", skip),
+                ("SAMPLER", sampler),
+                ("MODE", mode),
+                ("BOUND", bound),
+                ("COUNT", count),
+                ("GRADIENT", gradient),
+                ("CUE", cue),
+            ];
+            compose("march", &choices).unwrap()
+        };
         for skip in names("skip/") {
             for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
                 for mode in names("mode/") {
+                    let bounds = if ["mip", "minip"].contains(&mode) {
+                        &["none", "highest"][..]
+                    } else {
+                        &["none"]
+                    };
                     for count in names("count/") {
-                        let is_bounded = ["mip", "minip"].contains(&mode);
-                        for bound in if is_bounded {
-                            vec!["none", "highest"]
-                        } else {
-                            vec!["none"]
-                        } {
-                            let choices = [
-                                ("SKIP", skip),
-                                ("SAMPLER", sampler),
-                                ("MODE", mode),
-                                ("BOUND", bound),
-                                ("COUNT", count),
-                            ];
-                            composed.push(compose("march", &choices).unwrap());
+                        for bound in bounds {
+                            composed.push(march(skip, sampler, mode, bound, count, "fly", "off"));
                         }
                     }
+                }
+            }
+        }
+        // Gradients and cues are the modes' alone.
+        for mode in names("mode/") {
+            for gradient in names("gradient/") {
+                for cue in names("cue/") {
+                    let others = ("bounds", "hardware", "none", "off");
+                    let (skip, sampler, bound, count) = others;
+                    composed.push(march(skip, sampler, mode, bound, count, gradient, cue));
                 }
             }
         }

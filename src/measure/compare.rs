@@ -269,12 +269,11 @@ fn chosen(method: Option<MethodChoice>, entrant: &Entrant) -> Vec<String> {
     words
 }
 
-/// The settings as a backend can draw them: only graphics adapters have a filter.
+/// The settings as a backend can draw them: only graphics adapters have a filter. What else it does not have it refuses.
 pub(super) fn settings_on(backend: &str, settings: &Settings) -> Settings {
-    let sampler = if backend == "gpu" {
-        settings.sampler
-    } else {
-        Some(Sampler::Exact)
+    let sampler = match settings.sampler {
+        Some(Sampler::Hardware) if backend != "gpu" => Some(Sampler::Exact),
+        sampler => sampler,
     };
     Settings {
         sampler,
@@ -305,8 +304,7 @@ fn references(reference: &mut Renderer, plan: &Plan, step: &NamedStep) -> Result
                 skip: Skip::Box,
                 camera: plan.views[view],
                 step_voxels: step.voxels,
-                sampler: Some(Sampler::Exact),
-                ..plan.settings
+                ..settings_on("reference", &plan.settings)
             };
             let settings = reference_settings(plan, &settings);
             Ok(reference.render(&settings)?.picture)

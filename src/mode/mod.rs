@@ -9,6 +9,7 @@
 
 pub mod activity;
 mod check;
+pub mod cue;
 pub mod emission_absorption;
 pub mod parameters;
 pub mod surface;
@@ -19,6 +20,7 @@ use crate::transfer::{Domain, Table, threshold};
 use crate::volume::Statistics;
 
 pub use activity::Activity;
+pub use cue::DepthCue;
 pub use parameters::Parameters;
 pub use surface::{Light, Lighting};
 
@@ -226,6 +228,14 @@ impl Mode {
     /// Whether a ray keeps the highest place in the window, so that blocks that lie no higher can be left out.
     pub fn keeps_highest(&self) -> bool {
         matches!(self, Self::Mip(_) | Self::Minip(_))
+    }
+
+    /// Whether it looks at gradients.
+    pub fn takes_gradients(&self) -> bool {
+        matches!(
+            self,
+            Self::Shaded(_) | Self::Normals { .. } | Self::Phong { .. } | Self::TwoSurfaces { .. }
+        )
     }
 
     /// Whether a block whose samples have table coordinates in `range` can contribute to any picture in this mode.

@@ -2,8 +2,8 @@
 
 use super::Classes;
 use crate::lattice::RayBasis;
-use crate::mode::{Mode, Parameters};
-use crate::sample::{Sampler, cell, trilinear};
+use crate::mode::{DepthCue, Mode, Parameters};
+use crate::sample::{Gradients, Sampler, bspline, cell, gradients, trilinear};
 use crate::scene::{Counters, Scene};
 use crate::skip::Plan;
 
@@ -17,10 +17,14 @@ pub(super) struct Marcher<'a, V, C> {
     scale: f64,
     origin: f64,
     basis: RayBasis<f64>,
-    step: f64,
+    pub(super) step: f64,
     pub(super) grid_from_local: [f64; 3],
     sampler: Sampler,
+    gradients: Gradients,
     pub(super) mode: Mode,
+    pub(super) cue: DepthCue,
+    /// The direction that depth is measured along; unit length, local axes.
+    pub(super) forward: [f64; 3],
     pub(super) parameters: Parameters,
     pub(super) ert_threshold: f64,
 }
@@ -47,7 +51,10 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
             step: scene.frame.step,
             grid_from_local: scene.frame.grid_from_local.to_array(),
             sampler: scene.sampler,
+            gradients: scene.gradients,
             mode: scene.mode,
+            cue: DepthCue::new(scene.depth_cue, scene.frame),
+            forward: scene.frame.dir.to_array(),
             parameters: Parameters::new(&scene.mode, classes.domain(), scene.frame.step),
             ert_threshold: scene.ert_threshold(),
         }
@@ -124,7 +131,45 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
                 let stored: f64 = self.voxels[(z * self.dims[1] + y) * self.dims[0] + x].into();
                 (stored - self.origin) * self.scale
             }
+            Sampler::Tricubic | Sampler::TricubicExact => {
+                (self.bspline(at) - self.origin) * self.scale
+            }
         }
+    }
+
+    /// The stored number of the cubic B-spline at a grid position: the weighted sum of 64 voxels.
+    fn bspline(&self, at: [f64; 3]) -> f64 {
+        let cells = at.map(cell);
+        let weights = cells.map(|(_, f)| bspline(f));
+        let voxel = |axis: usize, i: usize| {
+            let last = self.dims[axis] as i64 - 1;
+            (cells[axis].0 as i64 - 1 + i as i64).clamp(0, last) as usize
+        };
+        let mut sum = 0.0;
+        for z in 0..4 {
+            for y in 0..4 {
+                let row = (voxel(2, z) * self.dims[1] + voxel(1, y)) * self.dims[0];
+                let weight = weights[2][z] * weights[1][y];
+                for (x, along_x) in weights[0].into_iter().enumerate() {
+                    let stored: f64 = self.voxels[row + voxel(0, x)].into();
+                    sum += weight * along_x * stored;
+                }
+            }
+        }
+        sum
+    }
+
+    /// The gradient at a grid position, over two voxels along each axis, in table coordinates.
+    pub(super) fn differences(&self, at: [f64; 3]) -> [f64; 3] {
+        let Some(edge) = self.gradients.cell_edge() else {
+            return std::array::from_fn(|axis| {
+                let (mut before, mut after) = (at, at);
+                before[axis] -= 1.0;
+                after[axis] += 1.0;
+                self.sample(after) - self.sample(before)
+            });
+        };
+        gradients::interpolated(self.voxels, self.dims, edge, at).map(|d| d * self.scale)
     }
 
     /// The two voxels around a grid coordinate of `axis`, and the fraction between them.

@@ -180,6 +180,9 @@ pub(super) fn check(settings: &Settings, backend: &str) -> Result<()> {
             format!("slices draw emission-absorption, grey, mip and minip, not {name}"),
         );
     }
+    if settings.depth_cue > 0.0 {
+        return refused("depth cue", "slices have none".to_owned());
+    }
     Ok(())
 }
 

@@ -25,12 +25,12 @@ use crate::skip::k_cuts::CUT_SAMPLES;
 use crate::skip::{HalfCut, Plan, Skip};
 use crate::transfer::Table;
 
-/// Accelerators by block size, each with what a table left of it.
+/// Accelerators by block size and apron, each with what a table left of it.
 #[derive(Default)]
 pub(super) struct Structures {
     /// Smallest and largest stored number of the volume.
     range: [f64; 2],
-    by_block: BTreeMap<usize, Kept>,
+    by_block: BTreeMap<(usize, usize), Kept>,
     /// What the SIMD backend keeps for box, which needs no block.
     cpu_box: Option<(Arc<Table>, CpuPlan)>,
     /// Names the culled states, so that what is on the device can be told apart.
@@ -233,19 +233,19 @@ impl Structures {
         Ok((plan, preparation))
     }
 
-    /// The structures of the settings' block size, culled for the table and mode.
+    /// The structures of the settings' block size and the sampler's apron, culled for the table and mode.
     fn culled(
         &mut self,
         settings: &Settings,
         scene: &Scene,
         table: &Arc<Table>,
     ) -> Result<&mut Kept> {
-        let kept = match self.by_block.entry(settings.block) {
+        let apron = scene.sampler.apron();
+        let kept = match self.by_block.entry((settings.block, apron)) {
             Entry::Occupied(entry) => entry.into_mut(),
             Entry::Vacant(entry) => {
                 let start = Instant::now();
-                let accelerator =
-                    Accelerator::build(scene.volume, settings.block, scene.sampler.apron())?;
+                let accelerator = Accelerator::build(scene.volume, settings.block, apron)?;
                 entry.insert(Kept {
                     accelerator,
                     build_ms: ms_since(start),

@@ -300,6 +300,8 @@ impl Renderer {
             frame: &frame,
             sampler: self.sampler(settings),
             mode: settings.mode,
+            gradients: settings.gradients,
+            depth_cue: settings.depth_cue,
             ert: settings.ert,
         };
         let is_current = self

@@ -3,6 +3,7 @@
 mod before;
 mod dispatch;
 mod faces;
+mod gradients;
 mod march;
 mod piece;
 mod present;
@@ -18,6 +19,7 @@ use glam::DVec3;
 
 use self::before::{largest_piece, ray_words};
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
+use self::gradients::GradientVolume;
 use self::march::{Count, MarchPass, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
@@ -65,6 +67,8 @@ pub(super) struct Job<'a> {
     pub(super) blocks: Option<&'a BlockWords>,
     /// Leaf block edge in voxels.
     pub(super) block: usize,
+    /// How far two stored numbers of the volume can lie apart.
+    pub(super) stored_span: f64,
     /// Boxes (local coordinates) outside which nothing is visible.
     pub(super) active: &'a [[DVec3; 2]],
     /// What is drawn in place of rays, where anything is.
@@ -92,6 +96,7 @@ pub(super) struct GpuBackend {
     march: MarchPass,
     march_filterable: bool,
     volume: Option<VolumeTexture>,
+    gradients: Option<GradientVolume>,
     bounds: Option<BoundsTexture>,
     kept_faces: HashMap<(u64, usize), Option<FaceBuffers>>,
     views: GrowBuffer,
@@ -152,6 +157,7 @@ impl GpuBackend {
             march: MarchPass::new(&gpu, true),
             march_filterable: true,
             volume: None,
+            gradients: None,
             bounds: None,
             kept_faces: HashMap::new(),
             views: GrowBuffer::new("view", Usage::UNIFORM),
@@ -184,6 +190,7 @@ impl GpuBackend {
     pub(super) fn set_volume(&mut self, volume: &Volume) -> Result<()> {
         // The old texture goes first: both need not fit.
         self.volume = None;
+        self.gradients = None;
         self.kept_faces.clear();
         self.blocks.clear();
         let resident = VolumeTexture::upload(&self.gpu, volume)?;
@@ -224,6 +231,7 @@ impl GpuBackend {
         let blocks = job.block_words();
         is_new |= blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
         self.blocks.holding(&self.gpu, blocks);
+        self.make_gradients(job)?;
         if is_new {
             // Else the copies would wait for the frame's submission, and count as part of it.
             self.gpu.queue.submit([]);
@@ -243,6 +251,10 @@ impl GpuBackend {
                 .block_words()
                 .map_or(0, |(_, words)| size_of_val(words) as u64)
             + width * height * 4 * u64::from(ray_words(job))
+            + job
+                .gradient_edge()
+                .and(self.gradients.as_ref())
+                .map_or(0, |g| g.bytes)
     }
 
     /// Draws a picture and leaves it on the device: what is timed.

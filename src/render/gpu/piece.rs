@@ -10,7 +10,6 @@ use super::{CAST, GpuBackend, Job, Piece, RASTER};
 use crate::error::{Error, Result};
 use crate::gpu::abi::MarchSettings;
 use crate::gpu::timer::Place;
-use crate::sample::Sampler;
 use crate::skip::Skip;
 
 impl GpuBackend {
@@ -19,7 +18,7 @@ impl GpuBackend {
         let Some(volume) = &self.volume else {
             return Err(Error::Gpu("no volume was set".to_owned()));
         };
-        if job.scene.sampler == Sampler::Hardware && !volume.filterable {
+        if job.scene.sampler.is_filtered() && !volume.filterable {
             return Err(Error::setting(
                 "sampler",
                 format!(
@@ -32,6 +31,7 @@ impl GpuBackend {
             return self.draw_slices(job, slices, piece, count == Count::On);
         }
         let gpu = &self.gpu;
+        let gradients = job.gradient_edge().and(self.gradients.as_ref());
         let frame = job.scene.frame;
 
         // The tiles that can show anything.
@@ -74,7 +74,10 @@ impl GpuBackend {
         let ray_bytes = pixels * 4 * u64::from(ray_words(job));
         let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
         let table = self.table.write(gpu, job.scene.table.rgba());
-        let mode = self.mode.write(gpu, &[mode_of(job)]);
+        let mode = self.mode.write(gpu, &[mode_of(job, volume, gradients)]);
+
+        // What is not read is bound all the same: to the voxels.
+        let gradient_view = gradients.map_or(&volume.view, |g| &g.view);
 
         let segments = job.parts.len();
         if self
@@ -94,6 +97,8 @@ impl GpuBackend {
             mode: job.scene.mode.row().shader,
             is_bounded: job.blocks.is_some_and(|words| words.majorants.is_some()),
             count,
+            gradient: job.gradient(),
+            is_cued: job.scene.depth_cue > 0.0,
         };
         let mut encoder = gpu
             .device
@@ -152,6 +157,7 @@ impl GpuBackend {
                 bind(6, wgpu::BindingResource::Sampler(&volume.filter)),
                 bind(7, table.as_entire_binding()),
                 bind(8, mode.as_entire_binding()),
+                bind(9, wgpu::BindingResource::TextureView(gradient_view)),
             ],
         });
         let skip_group = |notes: &wgpu::Buffer, reads: &wgpu::Buffer| {
