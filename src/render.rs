@@ -2,6 +2,7 @@
 
 mod auto;
 mod cache;
+mod classes;
 mod gpu;
 mod self_check;
 mod structures;
@@ -16,14 +17,15 @@ use crate::gpu::{AdapterKind, Gpu};
 use crate::lattice::{Clipping, RayFrame};
 use crate::mode::Mode;
 use crate::reference;
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 use crate::scene::{CountedPicture, Picture, Progress, Scene};
 use crate::skip::{Cuts, Plan, Skip};
 use crate::transfer::{Domain, TABLE_SIZES, Table, TransferFunction};
 use crate::volume::{Volume, statistics};
 
 use self::auto::Chooser;
-use self::gpu::{GpuBackend, Job};
+use self::classes::Classes;
+use self::gpu::{GpuBackend, Job, JobClasses};
 use self::structures::Structures;
 
 pub use self::auto::{BLOCKS, Choice, DEFAULT_BLOCK, MethodChoice};
@@ -66,6 +68,8 @@ pub struct Settings {
     pub cuts: Cuts,
     /// HOW; `None`: the backend's default.
     pub sampler: Option<Sampler>,
+    /// When samples get their colour.
+    pub classification: Classification,
     /// WHAT is done with them.
     pub mode: Mode,
     /// Leaf block edge in voxels: a power of two, 2 to 64.
@@ -92,6 +96,7 @@ impl Settings {
             skip: Skip::Box,
             cuts: Cuts::default(),
             sampler: None,
+            classification: Classification::Post,
             mode: Mode::EmissionAbsorption,
             block: DEFAULT_BLOCK,
             step_voxels: 0.5,
@@ -161,6 +166,7 @@ pub struct Renderer {
     transfer: Option<TransferFunction>,
     /// The table baked last, with what it was baked for.
     table: Option<(TableKey, Arc<Table>)>,
+    classes: Classes,
     progress: Arc<Progress>,
     /// Methods that failed this adapter's self-check: drawn by box instead.
     withdrawn: Vec<Skip>,
@@ -282,6 +288,7 @@ impl Renderer {
             structures: Structures::default(),
             transfer: None,
             table: None,
+            classes: Classes::default(),
             progress,
             withdrawn: Vec::new(),
             chooser: Chooser::default(),
@@ -464,6 +471,7 @@ impl Renderer {
         settings.skip.check_backend(self.info.backend)?;
         settings.mode.check_backend(self.info.backend)?;
         settings.mode.check()?;
+        classes::check(settings, self.info.backend)?;
         if settings.skip == Skip::Adaptive && !settings.mode.takes_table() {
             let reason = format!(
                 "adaptive follows the transfer function, of which {} makes no use",
@@ -473,8 +481,14 @@ impl Renderer {
         }
         let sampler = self.sampler(settings);
         let table = self.table(settings, &volume)?;
+        let pairs = self
+            .classes
+            .pairs(settings, &table, self.structures.range());
+        // What says where samples show anything.
+        let shown = pairs.as_ref().map_or(&table, |p| p.content.nodes());
         let frame = RayFrame {
             clipping: settings.clipping,
+            reach: settings.classification.reach(),
             ..settings
                 .camera
                 .ray_frame(&volume, settings.size, settings.step_voxels)?
@@ -484,15 +498,26 @@ impl Renderer {
             table: &table,
             frame: &frame,
             sampler,
+            classification: settings.classification,
             mode: settings.mode,
             ert: settings.ert,
         };
         self.progress.restart();
         match &mut self.backend {
             Backend::Gpu(backend) => {
-                let (needs, preparation) = self.structures.gpu_needs(settings, &scene, &table)?;
+                let (needs, mut preparation) = self.structures.gpu_needs(settings, &scene, shown)?;
+                preparation.cull_ms += pairs.as_ref().map_or(0.0, |p| p.ms);
+                let classes = match (&pairs, settings.classification) {
+                    (Some(p), _) => JobClasses::PreIntegrated(p.id, &p.content),
+                    (None, Classification::Pre) => JobClasses::Pre(&table),
+                    (None, _) => JobClasses::Post,
+                };
                 let job = Job {
-                    scene,
+                    scene: Scene {
+                        table: shown,
+                        ..scene
+                    },
+                    classes,
                     skip: settings.skip,
                     camera: &settings.camera,
                     parts: needs.parts,
@@ -511,7 +536,7 @@ impl Renderer {
                 )
             }
             Backend::Reference => {
-                let (plan, preparation) = self.structures.plan(settings, &scene, &table)?;
+                let (plan, preparation) = self.structures.plan(settings, &scene, shown)?;
                 work(
                     &mut Drawing::Reference(scene, plan, &self.progress),
                     &preparation,

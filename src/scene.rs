@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use crate::error::{Error, Result};
 use crate::lattice::RayFrame;
 use crate::mode::Mode;
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 use crate::transfer::Table;
 use crate::volume::Volume;
 
@@ -21,6 +21,8 @@ pub struct Scene<'a> {
     pub frame: &'a RayFrame,
     /// HOW.
     pub sampler: Sampler,
+    /// When samples get their colour; what it needs of them, [`RayFrame::reach`] says too.
+    pub classification: Classification,
     /// WHAT.
     pub mode: Mode,
     /// Accumulated opacity at which a ray stops; 1 or more: never.

@@ -261,6 +261,7 @@ impl Args {
             "transfer_function": self.scene.tf,
             "table_size": self.scene.table_size,
             "mode": plan.settings.mode.name(),
+            "classification": plan.settings.classification.name(),
             "ert": report::decimal(self.scene.ert),
             "steps": plan.steps,
             "runs_per_view": plan.rounds,

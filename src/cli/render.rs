@@ -278,6 +278,7 @@ fn facts(
         "method": settings.skip.method().name,
         "mode": settings.mode.name(),
         "sampler": rendered.sampler.name(),
+        "classification": settings.classification.name(),
         "step_voxels": settings.step_voxels,
         "block": settings.block,
         "cut": settings.cuts.half.name(),

@@ -32,6 +32,8 @@ shaders![
     "sample/hardware.inc",
     "sample/nearest.inc",
     "sample/post.inc",
+    "sample/pre.inc",
+    "sample/pre_integrated.inc",
     "shared/blocks.inc",
     "shared/first_hit.inc",
     "shared/highest.inc",
@@ -135,22 +137,28 @@ mod tests {
             };
             SHADERS.iter().filter_map(strip).collect()
         };
-        let mut composed = vec![
+        // Modes without a table compose to the same text whatever the classification.
+        let mut composed = BTreeSet::from([
             compose("faces", &[]).unwrap(),
             compose("present", &[]).unwrap(),
             compose("segments", &[]).unwrap(),
-        ];
+        ]);
         for skip in names("skip/") {
-            for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
+            let classifications = ["post", "pre", "pre_integrated"];
+            let is_sampler = |name: &&str| !classifications.contains(name);
+            for sampler in names("sample/").into_iter().filter(is_sampler) {
                 for mode in names("mode/") {
                     for count in names("count/") {
-                        let choices = [
-                            ("SKIP", skip),
-                            ("SAMPLER", sampler),
-                            ("MODE", mode),
-                            ("COUNT", count),
-                        ];
-                        composed.push(compose("march", &choices).unwrap());
+                        for classification in classifications {
+                            let choices = [
+                                ("SKIP", skip),
+                                ("SAMPLER", sampler),
+                                ("CLASSIFICATION", classification),
+                                ("MODE", mode),
+                                ("COUNT", count),
+                            ];
+                            composed.insert(compose("march", &choices).unwrap());
+                        }
                     }
                 }
             }

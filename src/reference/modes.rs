@@ -11,9 +11,9 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
     pub(super) fn add(&self, state: &mut [f64; 4], x: f64, k: f64, ray: &Ray<f64>) -> bool {
         let p = &self.parameters;
         match self.mode {
-            Mode::EmissionAbsorption => accumulate(state, self.classes.rgba(x)),
+            Mode::EmissionAbsorption => accumulate(state, self.color(x, k, ray)),
             Mode::Shaded(_) => {
-                let color = self.classes.rgba(x);
+                let color = self.color(x, k, ray);
                 color != [0.0; 4] && accumulate(state, self.shaded(color, ray.at(k), ray))
             }
             Mode::Grey(_) => {

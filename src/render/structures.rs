@@ -14,6 +14,7 @@ use crate::camera::{Camera, Projection};
 use crate::cpu::CpuPlan;
 use crate::error::{Error, Result};
 use crate::mode::Activity;
+use crate::sample::Classification;
 use crate::octree::{Accelerator, Hull, LeafGrid, Occupancy};
 use crate::scene::Scene;
 use crate::skip::adaptive::{Gradients, Strides};
@@ -63,6 +64,8 @@ struct Kept {
 struct Culled {
     id: u64,
     activity: Activity,
+    /// Whether values between voxels do not count.
+    is_by_voxel: bool,
     table: Arc<Table>,
     occupancy: Occupancy,
     /// By the blocks that they are of, as they were asked for first: a hull's place is its name.
@@ -311,7 +314,10 @@ impl Structures {
         let is_current = kept
             .culled
             .as_ref()
-            .is_some_and(|c| activity.is_that_of(table, c.activity, &c.table));
+            .is_some_and(|c| {
+                let is_by_voxel = settings.classification == Classification::Pre;
+                c.is_by_voxel == is_by_voxel && activity.is_that_of(table, c.activity, &c.table)
+            });
         if !is_current {
             self.next_id += 1;
             kept.culled = Some(Culled::new(
@@ -396,7 +402,12 @@ impl Culled {
         let start = Instant::now();
         let is_halved = settings.skip == Skip::HalfSplit && settings.cuts.half == HalfCut::Middle;
         let halves = is_halved.then(|| skip::half_axis(settings.camera.forward()));
+        let is_by_voxel = settings.classification == Classification::Pre;
         let occupancy = match halves {
+            _ if is_by_voxel => {
+                let apron = scene.sampler.apron();
+                Occupancy::of_visible_voxels(scene.volume, table, settings.block, apron)
+            }
             Some(axis) => accelerator.cull_halves(axis, table, settings.mode),
             None => accelerator.cull(table, settings.mode),
         };
@@ -404,6 +415,7 @@ impl Culled {
         Self {
             id,
             activity: settings.mode.activity(table.domain()),
+            is_by_voxel,
             table: Arc::clone(table),
             occupancy,
             hulls: Vec::new(),

@@ -1,7 +1,13 @@
-//! HOW one sample is taken: the interpolation of voxels.
+//! HOW one sample is taken: the interpolation of voxels, and when they get their colour.
 //!
 //! Each sampler has a WGSL twin of the same name in `shaders/sample/`. All return the table coordinate `x` of a grid
 //! position (see [`crate::transfer::Domain`]).
+
+mod classification;
+pub mod pre_integrated;
+
+pub use classification::Classification;
+pub use pre_integrated::PreIntegrated;
 
 use crate::lattice::Real;
 

@@ -19,7 +19,8 @@ use self::work::{Bundle, Level, Work};
 use super::{Renderer, Settings};
 use crate::error::{Error, Result};
 use crate::mode::Mode;
-use crate::sample::Sampler;
+use crate::lattice::RayFrame;
+use crate::sample::{Classification, Sampler};
 use crate::scene::Scene;
 use crate::skip::{Cuts, HalfCut, METHODS, Skip};
 use crate::transfer::Table;
@@ -146,6 +147,7 @@ pub(super) struct Chooser {
 struct Active {
     table: Arc<Table>,
     mode: Mode,
+    classification: Classification,
     levels: Vec<Level>,
 }
 
@@ -291,14 +293,22 @@ impl Renderer {
             .ok_or_else(|| Error::setting("volume", "none was set"))?;
         let volume = Arc::clone(volume);
         let table = self.table(settings, &volume)?;
-        let frame = settings
-            .camera
-            .ray_frame(&volume, settings.size, settings.step_voxels)?;
+        let pairs = self
+            .classes
+            .pairs(settings, &table, self.structures.range());
+        let shown = pairs.as_ref().map_or(&table, |p| p.content.nodes());
+        let frame = RayFrame {
+            reach: settings.classification.reach(),
+            ..settings
+                .camera
+                .ray_frame(&volume, settings.size, settings.step_voxels)?
+        };
         let scene = Scene {
             volume: &volume,
             table: &table,
             frame: &frame,
             sampler: self.sampler(settings),
+            classification: settings.classification,
             mode: settings.mode,
             ert: settings.ert,
         };
@@ -306,7 +316,10 @@ impl Renderer {
             .chooser
             .active
             .as_ref()
-            .is_some_and(|a| a.mode == settings.mode && a.table.shows_the_same_as(&table));
+            .is_some_and(|a| {
+                (a.mode, a.classification) == (settings.mode, settings.classification)
+                    && a.table.shows_the_same_as(shown)
+            });
         if !is_current {
             let leaves =
                 |block: usize| -> usize { volume.dims.iter().map(|n| n.div_ceil(block)).product() };
@@ -319,7 +332,7 @@ impl Renderer {
             };
             let mut occupancy = self
                 .structures
-                .occupancy(&smallest, &scene, &table)?
+                .occupancy(&smallest, &scene, shown)?
                 .clone();
             let mut levels = Vec::new();
             while occupancy.block < BLOCKS[BLOCKS.len() - 1] {
@@ -328,8 +341,9 @@ impl Renderer {
             }
             levels.push(Level::new(occupancy));
             self.chooser.active = Some(Active {
-                table: Arc::clone(&table),
+                table: Arc::clone(shown),
                 mode: settings.mode,
+                classification: settings.classification,
                 levels,
             });
         }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::shader::compose;
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 
 /// What a compiled marcher is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -14,6 +14,7 @@ pub(super) struct March {
     /// The file in `shaders/skip/`.
     pub(super) skip: &'static str,
     pub(super) sampler: Sampler,
+    pub(super) classification: Classification,
     /// The file in `shaders/mode/`.
     pub(super) mode: &'static str,
     pub(super) count: Count,
@@ -44,7 +45,7 @@ impl Count {
 /// Bind group layouts and the pipelines compiled so far.
 #[derive(Debug)]
 pub(super) struct MarchPass {
-    /// View, settings, tiles, target, progress, volume, filter, table, mode.
+    /// View, settings, tiles, target, progress, volume, filter, table, mode, colours of voxels.
     pub(super) scene_layout: wgpu::BindGroupLayout,
     /// Bounds, what a pass notes (work counters, or what the next one reads), runs, blocks or what the last pass noted.
     pub(super) skip_layout: wgpu::BindGroupLayout,
@@ -117,6 +118,13 @@ impl MarchPass {
                     ),
                     entry(7, storage(true)),
                     entry(8, uniform(false)),
+                    entry(
+                        9,
+                        texture(
+                            wgpu::TextureSampleType::Float { filterable: true },
+                            wgpu::TextureViewDimension::D3,
+                        ),
+                    ),
                 ],
             });
         let skip_layout = gpu
@@ -161,6 +169,7 @@ impl MarchPass {
             let choices = [
                 ("SKIP", march.skip),
                 ("SAMPLER", march.sampler.name()),
+                ("CLASSIFICATION", march.classification.shader()),
                 ("MODE", march.mode),
                 ("COUNT", march.count.shader()),
             ];

@@ -1,6 +1,7 @@
 //! The GPU backend: resident volume, passes and targets.
 
 mod before;
+mod classes;
 mod dispatch;
 mod faces;
 mod march;
@@ -15,6 +16,8 @@ use std::time::Instant;
 use glam::DVec3;
 
 use self::before::{largest_piece, list_segments, ray_words};
+pub(super) use self::classes::JobClasses;
+use self::classes::ClassBuffers;
 use self::dispatch::dispatches;
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
 use self::march::{Count, March, MarchPass, SETTINGS_STRIDE, uniform};
@@ -54,6 +57,7 @@ pub(super) struct Part<'a> {
 /// One picture to draw.
 pub(super) struct Job<'a> {
     pub(super) scene: Scene<'a>,
+    pub(super) classes: JobClasses<'a>,
     pub(super) skip: Skip,
     pub(super) camera: &'a Camera,
     /// Near part first; empty: the bounding box, or what the masks tell.
@@ -96,7 +100,7 @@ pub(super) struct GpuBackend {
     target: GrowBuffer,
     progress: GrowBuffer,
     work: GrowBuffer,
-    table: GrowBuffer,
+    classes: ClassBuffers,
     mode: GrowBuffer,
     timer: SpanTimer,
     present: Option<PresentPass>,
@@ -151,7 +155,7 @@ impl GpuBackend {
             target: GrowBuffer::new("target", storage),
             progress: GrowBuffer::new("progress", Usage::STORAGE),
             work: GrowBuffer::new("work", storage),
-            table: GrowBuffer::new("table", Usage::STORAGE),
+            classes: gpu.checked(|| ClassBuffers::new(&gpu))??,
             mode: GrowBuffer::new("mode", Usage::UNIFORM),
             timer: SpanTimer::new(&gpu, 2),
             view_layout,
@@ -171,6 +175,7 @@ impl GpuBackend {
         self.volume = None;
         self.kept_faces.clear();
         self.blocks.clear();
+        self.classes.forget_volume();
         let resident = VolumeTexture::upload(&self.gpu, volume)?;
         if resident.filterable != self.march_filterable {
             self.march = MarchPass::new(&self.gpu, resident.filterable);
@@ -196,7 +201,7 @@ impl GpuBackend {
         if let Some(structure) = job.parts.first().map(|p| p.key.0) {
             self.kept_faces.retain(|key, _| key.0 == structure);
         }
-        let mut is_new = false;
+        let mut is_new = self.classes.prepare(&self.gpu, job)?;
         for part in &job.parts {
             if !self.kept_faces.contains_key(&part.key) {
                 let faces = self
@@ -224,6 +229,7 @@ impl GpuBackend {
         let [width, height] = job.scene.frame.size.map(|n| u64::from(n.min(largest)));
         faces.map(FaceBuffers::bytes).sum::<u64>()
             + job.blocks.map_or(0, |(_, words)| size_of_val(words) as u64)
+            + self.classes.bytes(job)
             + width * height * 4 * u64::from(ray_words(job))
     }
 
@@ -425,7 +431,7 @@ impl GpuBackend {
         let blocks = self.blocks.holding(gpu, job.blocks);
         let ray_bytes = pixels * 4 * u64::from(ray_words(job));
         let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
-        let table = self.table.write(gpu, job.scene.table.rgba());
+        let (table, colors) = self.classes.bound(gpu, job);
         let mode = self.mode.write(gpu, &[mode_of(job)]);
 
         let segments = job.parts.len();
@@ -444,6 +450,7 @@ impl GpuBackend {
             skip: if is_first { Skip::Box } else { job.skip }.method().shader,
             sampler: job.scene.sampler,
             mode: job.scene.mode.row().shader,
+            classification: job.scene.classification,
             count,
         };
         let mut encoder = gpu
@@ -517,6 +524,7 @@ impl GpuBackend {
                 bind(6, wgpu::BindingResource::Sampler(&filter)),
                 bind(7, table.as_entire_binding()),
                 bind(8, mode.as_entire_binding()),
+                bind(9, wgpu::BindingResource::TextureView(colors)),
             ],
         });
         let skip_group = |notes: &wgpu::Buffer, reads: &wgpu::Buffer| {
