@@ -272,10 +272,7 @@ impl<R: Real> RayBasis<R> {
             .ceil()
             .max(zero);
         let mut k_end = (length / self.step - half_and_edge).ceil().max(zero);
-        let mut drawn = [
-            ((zero - t_box) / self.step).max(zero),
-            length / self.step,
-        ];
+        let mut drawn = [((zero - t_box) / self.step).max(zero), length / self.step];
         for plane in self.clipping.planes() {
             let [nx, ny, nz, distance] = plane.map(R::splat);
             let height = nx * origin[0] + ny * origin[1] + nz * origin[2] + distance;

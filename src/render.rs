@@ -505,7 +505,8 @@ impl Renderer {
         self.progress.restart();
         match &mut self.backend {
             Backend::Gpu(backend) => {
-                let (needs, mut preparation) = self.structures.gpu_needs(settings, &scene, shown)?;
+                let (needs, mut preparation) =
+                    self.structures.gpu_needs(settings, &scene, shown)?;
                 preparation.cull_ms += pairs.as_ref().map_or(0.0, |p| p.ms);
                 let classes = match (&pairs, settings.classification) {
                     (Some(p), _) => JobClasses::PreIntegrated(p.id, &p.content),

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::lattice::Clipping;
 use crate::mode::Mode;
 use crate::render::{Renderer, Settings};
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 use crate::scene::Picture;
 use crate::skip::{Cuts, METHODS, Skip};
 use crate::transfer::TransferFunction;
@@ -211,6 +211,7 @@ pub struct Verifier<'a> {
     /// What is compared with box.
     methods: Vec<Skip>,
     mode: Mode,
+    classification: Classification,
     clipping: Clipping,
     cuts: Cuts,
     size: [u32; 2],
@@ -238,6 +239,7 @@ impl<'a> Verifier<'a> {
             transfer,
             methods,
             mode: Mode::EmissionAbsorption,
+            classification: Classification::Post,
             clipping: Clipping::NONE,
             cuts,
             size,
@@ -257,6 +259,15 @@ impl<'a> Verifier<'a> {
         Self { mode, ..self }
     }
 
+    /// Classifies samples this way instead of after interpolation.
+    #[must_use]
+    pub fn with_classification(self, classification: Classification) -> Self {
+        Self {
+            classification,
+            ..self
+        }
+    }
+
     /// Draws what these planes leave.
     #[must_use]
     pub fn with_clipping(self, clipping: Clipping) -> Self {
@@ -271,6 +282,7 @@ impl<'a> Verifier<'a> {
         let mut settings = Settings {
             sampler: Some(case.sampler),
             mode: self.mode,
+            classification: self.classification,
             block: case.block,
             step_voxels: case.step_edges * self.volume.extent().max_element(),
             ert: case.ert,

@@ -18,8 +18,8 @@ use self::cost::Calibration;
 use self::work::{Bundle, Level, Work};
 use super::{Renderer, Settings};
 use crate::error::{Error, Result};
-use crate::mode::Mode;
 use crate::lattice::RayFrame;
+use crate::mode::Mode;
 use crate::sample::{Classification, Sampler};
 use crate::scene::Scene;
 use crate::skip::{Cuts, HalfCut, METHODS, Skip};
@@ -312,14 +312,10 @@ impl Renderer {
             mode: settings.mode,
             ert: settings.ert,
         };
-        let is_current = self
-            .chooser
-            .active
-            .as_ref()
-            .is_some_and(|a| {
-                (a.mode, a.classification) == (settings.mode, settings.classification)
-                    && a.table.shows_the_same_as(shown)
-            });
+        let is_current = self.chooser.active.as_ref().is_some_and(|a| {
+            (a.mode, a.classification) == (settings.mode, settings.classification)
+                && a.table.shows_the_same_as(shown)
+        });
         if !is_current {
             let leaves =
                 |block: usize| -> usize { volume.dims.iter().map(|n| n.div_ceil(block)).product() };
@@ -330,10 +326,7 @@ impl Renderer {
                 block: smallest.unwrap_or(BLOCKS[BLOCKS.len() - 1]),
                 ..*settings
             };
-            let mut occupancy = self
-                .structures
-                .occupancy(&smallest, &scene, shown)?
-                .clone();
+            let mut occupancy = self.structures.occupancy(&smallest, &scene, shown)?.clone();
             let mut levels = Vec::new();
             while occupancy.block < BLOCKS[BLOCKS.len() - 1] {
                 let coarser = occupancy.coarser();

@@ -16,8 +16,8 @@ use std::time::Instant;
 use glam::DVec3;
 
 use self::before::{largest_piece, list_segments, ray_words};
-pub(super) use self::classes::JobClasses;
 use self::classes::ClassBuffers;
+pub(super) use self::classes::JobClasses;
 use self::dispatch::dispatches;
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
 use self::march::{Count, March, MarchPass, SETTINGS_STRIDE, uniform};
