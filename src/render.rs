@@ -4,6 +4,7 @@ mod auto;
 mod backend;
 mod block_words;
 mod cache;
+mod classes;
 mod gpu;
 mod self_check;
 mod slices;
@@ -18,14 +19,15 @@ use crate::error::{Error, Result};
 use crate::lattice::{Clipping, RayFrame};
 use crate::mode::{DepthCue, Mode};
 use crate::reference;
-use crate::sample::{Gradients, Sampler};
+use crate::sample::{Classification, Gradients, Sampler};
 use crate::scene::{CountedPicture, Picture, Progress, Scene};
 use crate::skip::{Cuts, Plan, Skip};
 use crate::transfer::{Domain, TABLE_SIZES, Table, TransferFunction};
 use crate::volume::{Volume, statistics};
 
 use self::auto::Chooser;
-use self::gpu::{GpuBackend, Job};
+use self::classes::Classes;
+use self::gpu::{GpuBackend, Job, JobClasses};
 use self::slices::Slices;
 use self::structures::Structures;
 
@@ -43,6 +45,8 @@ pub struct Settings {
     pub cuts: Cuts,
     /// HOW; `None`: the backend's default.
     pub sampler: Option<Sampler>,
+    /// When samples get their colour.
+    pub classification: Classification,
     /// WHAT is done with them.
     pub mode: Mode,
     /// Where modes that light surfaces take gradients from; the others do not read it.
@@ -76,6 +80,7 @@ impl Settings {
             skip: Skip::Box,
             cuts: Cuts::default(),
             sampler: None,
+            classification: Classification::Post,
             mode: Mode::EmissionAbsorption,
             gradients: Gradients::Fly,
             depth_cue: 0.0,
@@ -135,6 +140,7 @@ pub struct Renderer {
     transfer: Option<TransferFunction>,
     /// The table baked last, with what it was baked for.
     table: Option<(TableKey, Arc<Table>)>,
+    classes: Classes,
     progress: Arc<Progress>,
     /// Methods that failed this adapter's self-check: drawn by box instead.
     withdrawn: Vec<Skip>,
@@ -346,6 +352,7 @@ impl Renderer {
         settings.skip.check_backend(self.info.backend)?;
         settings.mode.check_backend(self.info.backend)?;
         settings.mode.check()?;
+        classes::check(settings, self.info.backend)?;
         DepthCue::check(settings.depth_cue, &settings.mode, self.info.backend)?;
         if settings.skip == Skip::Adaptive && !settings.mode.takes_table() {
             let reason = format!(
@@ -374,8 +381,14 @@ impl Renderer {
         };
         let sampler = self.sampler(settings);
         let table = self.table(settings, &volume)?;
+        let pairs = self
+            .classes
+            .pairs(settings, &table, self.structures.range());
+        // What says where samples show anything.
+        let shown = pairs.as_ref().map_or(&table, |p| p.content.nodes());
         let frame = RayFrame {
             clipping: settings.clipping,
+            reach: settings.classification.reach(),
             ..settings
                 .camera
                 .ray_frame(&volume, settings.size, settings.step_voxels)?
@@ -385,6 +398,7 @@ impl Renderer {
             table: &table,
             frame: &frame,
             sampler,
+            classification: settings.classification,
             mode: settings.mode,
             gradients: settings.gradients,
             depth_cue: settings.depth_cue,
@@ -394,9 +408,20 @@ impl Renderer {
         match &mut self.backend {
             Backend::Gpu(backend) => {
                 let [low, high] = self.structures.range();
-                let (needs, preparation) = self.structures.gpu_needs(settings, &scene, &table)?;
+                let (needs, mut preparation) =
+                    self.structures.gpu_needs(settings, &scene, shown)?;
+                preparation.cull_ms += pairs.as_ref().map_or(0.0, |p| p.ms);
+                let classes = match (&pairs, settings.classification) {
+                    (Some(p), _) => JobClasses::PreIntegrated(p.id, &p.content),
+                    (None, Classification::Pre) => JobClasses::Pre(&table),
+                    (None, _) => JobClasses::Post,
+                };
                 let job = Job {
-                    scene,
+                    scene: Scene {
+                        table: shown,
+                        ..scene
+                    },
+                    classes,
                     skip: settings.skip,
                     camera: &settings.camera,
                     parts: needs.parts,
@@ -417,7 +442,7 @@ impl Renderer {
                 )
             }
             Backend::Reference => {
-                let (plan, preparation) = self.structures.plan(settings, &scene, &table)?;
+                let (plan, preparation) = self.structures.plan(settings, &scene, shown)?;
                 work(
                     &mut Drawing::Reference(scene, plan, &self.progress),
                     &preparation,

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use crate::error::{Error, Result};
 use crate::lattice::RayFrame;
 use crate::mode::Mode;
-use crate::sample::{Gradients, Sampler};
+use crate::sample::{Classification, Gradients, Sampler};
 use crate::transfer::Table;
 use crate::volume::Volume;
 
@@ -21,6 +21,8 @@ pub struct Scene<'a> {
     pub frame: &'a RayFrame,
     /// HOW.
     pub sampler: Sampler,
+    /// When samples get their colour; what it needs of them, [`RayFrame::reach`] says too.
+    pub classification: Classification,
     /// WHAT.
     pub mode: Mode,
     /// Where modes that light surfaces take gradients from.

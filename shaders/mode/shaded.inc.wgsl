@@ -1,9 +1,9 @@
 // Emission and absorption, each sample lit by the gradient around it.
-#import sample/post
+#import sample/{CLASSIFICATION}
 #import shared/surface
 
 fn mode_sample(state: ptr<function, vec4f>, x: f32, k: u32, ray: Ray) -> bool {
-    var color = post_classify(x);
+    var color = classify(x, k, ray);
     if all(color == vec4f(0.0)) {
         return false;
     }

@@ -319,6 +319,7 @@ impl Args {
             "table_size": self.scene.table_size,
             "mode": plan.settings.mode.name(),
             "slices": plan.slices.map(|count| count.to_string()),
+            "classification": plan.settings.classification.name(),
             "ert": report::decimal(self.scene.ert),
             "steps": plan.steps,
             "runs_per_view": plan.rounds,

@@ -301,6 +301,7 @@ fn facts(
         "gradients": settings.mode.takes_gradients().then(|| settings.gradients.name()),
         "depth_cue": settings.depth_cue,
         "sampler": rendered.sampler.name(),
+        "classification": settings.classification.name(),
         "step_voxels": settings.step_voxels,
         "block": settings.block,
         "cut": settings.cuts.half.name(),

@@ -6,7 +6,7 @@ use hollowcast::camera::Camera;
 use hollowcast::lattice::Clipping;
 use hollowcast::mode::Mode;
 use hollowcast::render::Settings;
-use hollowcast::sample::Sampler;
+use hollowcast::sample::{Classification, Sampler};
 use hollowcast::skip::{Cuts, HalfCut, Skip, SlabCount};
 use hollowcast::transfer::{PRESETS, TransferFunction};
 use hollowcast::volume::{Statistics, Volume};
@@ -39,6 +39,11 @@ pub(super) struct SceneArgs {
     /// How one sample is taken [default: hardware on a hardware adapter, else exact]
     #[arg(long, value_parser = values::named(Sampler::ALL, Sampler::name))]
     pub(super) sampler: Option<Sampler>,
+
+    /// When samples get their colour: from the interpolated value (post), voxel by voxel before colours are interpolated
+    /// (pre), or for all values between two samples at once (pre-integrated)
+    #[arg(long, default_value = "post", value_parser = values::named(Classification::ALL, Classification::name))]
+    pub(super) classification: Classification,
 
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = values::size)]
@@ -76,6 +81,7 @@ impl SceneArgs {
             skip,
             cuts: self.cuts(),
             sampler: self.sampler,
+            classification: self.classification,
             mode,
             gradients: self.mode.gradients(),
             depth_cue: self.mode.depth_cue,

@@ -18,7 +18,7 @@ pub struct View {
     pub dir_dx: [f32; 3],
     pub start_depth: f32,
     pub dir_dy: [f32; 3],
-    pub pad1: f32,
+    pub reach: f32,
     pub extent: [f32; 3],
     pub pad2: f32,
     pub grid_from_local: [f32; 3],
@@ -122,6 +122,7 @@ mod tests {
         let choices = [
             ("SKIP", "bounds"),
             ("SAMPLER", "exact"),
+            ("CLASSIFICATION", "post"),
             ("MODE", "phong"),
             ("COUNT", "off"),
             ("GRADIENT", "fly"),
@@ -159,7 +160,7 @@ mod tests {
 
     #[test]
     fn structs_are_what_the_shaders_read() {
-        mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, pad1,
+        mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, reach,
             extent, pad2, grid_from_local, pad3, centre, origin, size, clip_count, pad4,
             clip_from_local, clip_planes);
         mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,

@@ -45,6 +45,8 @@ shaders![
     "sample/hardware.inc",
     "sample/nearest.inc",
     "sample/post.inc",
+    "sample/pre.inc",
+    "sample/pre_integrated.inc",
     "sample/tricubic.inc",
     "sample/tricubic_exact.inc",
     "shared/blocks.inc",
@@ -157,23 +159,28 @@ mod tests {
             compose("present", &[]).unwrap(),
             compose("segments", &[("BOUND", "none")]).unwrap(),
         ];
-        for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
+        let classifications = ["post", "pre", "pre_integrated"];
+        let mut samplers = names("sample/");
+        samplers.retain(|name| !classifications.contains(name));
+        for &sampler in &samplers {
             for mode in ["emission_absorption", "grey", "mip", "minip"] {
                 for blend in names("blend/") {
                     let choices = [
                         ("SAMPLER", sampler),
                         ("MODE", mode),
                         ("CUE", "off"),
+                        ("CLASSIFICATION", "post"),
                         ("BLEND", blend),
                     ];
                     composed.push(compose("slices", &choices).unwrap());
                 }
             }
         }
-        let march = |skip, sampler, mode, bound, count, gradient, cue| {
+        let march = |skip, (sampler, classification), mode, bound, count, gradient, cue| {
             let choices = [
                 ("SKIP", skip),
                 ("SAMPLER", sampler),
+                ("CLASSIFICATION", classification),
                 ("MODE", mode),
                 ("BOUND", bound),
                 ("COUNT", count),
@@ -183,7 +190,7 @@ mod tests {
             compose("march", &choices).unwrap()
         };
         for skip in names("skip/") {
-            for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
+            for &sampler in &samplers {
                 for mode in names("mode/") {
                     let bounds = if ["mip", "minip"].contains(&mode) {
                         &["none", "highest"][..]
@@ -192,8 +199,19 @@ mod tests {
                     };
                     for count in names("count/") {
                         for bound in bounds {
-                            composed.push(march(skip, sampler, mode, bound, count, "fly", "off"));
+                            let post = (sampler, "post");
+                            composed.push(march(skip, post, mode, bound, count, "fly", "off"));
                         }
+                    }
+                }
+                // Modes with a table, and what pre has no colours for.
+                for classification in ["pre", "pre_integrated"] {
+                    if classification == "pre" && sampler.starts_with("tricubic") {
+                        continue;
+                    }
+                    for mode in ["emission_absorption", "shaded"] {
+                        let how = (sampler, classification);
+                        composed.push(march(skip, how, mode, "none", "off", "fly", "off"));
                     }
                 }
             }
@@ -202,9 +220,8 @@ mod tests {
         for mode in names("mode/") {
             for gradient in names("gradient/") {
                 for cue in names("cue/") {
-                    let others = ("bounds", "hardware", "none", "off");
-                    let (skip, sampler, bound, count) = others;
-                    composed.push(march(skip, sampler, mode, bound, count, gradient, cue));
+                    let how = ("hardware", "post");
+                    composed.push(march("bounds", how, mode, "none", "off", gradient, cue));
                 }
             }
         }

@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::lattice::Clipping;
 use crate::mode::Mode;
 use crate::render::{Renderer, Settings};
-use crate::sample::{Gradients, Sampler};
+use crate::sample::{Classification, Gradients, Sampler};
 use crate::scene::Picture;
 use crate::skip::{Cuts, METHODS, Skip};
 use crate::transfer::TransferFunction;
@@ -213,6 +213,7 @@ pub struct Verifier<'a> {
     /// What is compared with box.
     methods: Vec<Skip>,
     mode: Mode,
+    classification: Classification,
     gradients: Gradients,
     depth_cue: f64,
     clipping: Clipping,
@@ -242,6 +243,7 @@ impl<'a> Verifier<'a> {
             transfer,
             methods,
             mode: Mode::EmissionAbsorption,
+            classification: Classification::Post,
             gradients: Gradients::Fly,
             depth_cue: 0.0,
             clipping: Clipping::NONE,
@@ -273,6 +275,15 @@ impl<'a> Verifier<'a> {
         }
     }
 
+    /// Classifies samples this way instead of after interpolation.
+    #[must_use]
+    pub fn with_classification(self, classification: Classification) -> Self {
+        Self {
+            classification,
+            ..self
+        }
+    }
+
     /// Draws what these planes leave.
     #[must_use]
     pub fn with_clipping(self, clipping: Clipping) -> Self {
@@ -287,6 +298,7 @@ impl<'a> Verifier<'a> {
         let mut settings = Settings {
             sampler: Some(case.sampler),
             mode: self.mode,
+            classification: self.classification,
             gradients: self.gradients,
             depth_cue: self.depth_cue,
             block: case.block,

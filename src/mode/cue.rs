@@ -88,6 +88,7 @@ mod tests {
             step: 0.5,
             size: [1, 1],
             clipping: Clipping::NONE,
+            reach: 0.0,
         };
         // The nearest corner is (0, 5), the farthest (10, 0): 10 local units deeper.
         let cue = DepthCue::new(0.5, &frame(DVec3::new(0.0, 5.0, 1.0)));

@@ -1,9 +1,11 @@
 //! One pixel: the flat loop over the segments of a ray that every backend has.
 
 use super::Classes;
-use crate::lattice::RayBasis;
+use super::classes::Baked;
+use crate::lattice::{Ray, RayBasis};
 use crate::mode::{DepthCue, Mode, Parameters};
-use crate::sample::{Gradients, Sampler, bspline, cell, gradients, trilinear};
+use crate::sample::pre_integrated::Integrals;
+use crate::sample::{Classification, Gradients, Sampler, bspline, cell, gradients, trilinear};
 use crate::scene::{Counters, Scene};
 use crate::skip::Plan;
 
@@ -21,12 +23,20 @@ pub(super) struct Marcher<'a, V, C> {
     pub(super) grid_from_local: [f64; 3],
     sampler: Sampler,
     gradients: Gradients,
+    coloring: Coloring<'a>,
     pub(super) mode: Mode,
     pub(super) cue: DepthCue,
     /// The direction that depth is measured along; unit length, local axes.
     pub(super) forward: [f64; 3],
     pub(super) parameters: Parameters,
     pub(super) ert_threshold: f64,
+}
+
+/// How a sample gets its colour; what comes before or between samples is by the baked table.
+enum Coloring<'a> {
+    Post,
+    Pre(Baked<'a>),
+    PreIntegrated(Integrals),
 }
 
 /// What a ray found.
@@ -52,6 +62,13 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
             grid_from_local: scene.frame.grid_from_local.to_array(),
             sampler: scene.sampler,
             gradients: scene.gradients,
+            coloring: match scene.classification {
+                Classification::Post => Coloring::Post,
+                Classification::Pre => Coloring::Pre(Baked::new(scene.table)),
+                Classification::PreIntegrated => {
+                    Coloring::PreIntegrated(Integrals::new(scene.table))
+                }
+            },
             mode: scene.mode,
             cue: DepthCue::new(scene.depth_cue, scene.frame),
             forward: scene.frame.dir.to_array(),
@@ -104,26 +121,25 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
         }
     }
 
+    /// Premultiplied colour and opacity of sample `k`, of table coordinate `x`.
+    pub(super) fn color(&self, x: f64, k: f64, ray: &Ray<f64>) -> [f64; 4] {
+        match &self.coloring {
+            Coloring::Post => self.classes.rgba(x),
+            Coloring::Pre(table) => self.colors_around(ray.at(k), table),
+            Coloring::PreIntegrated(integrals) => integrals.interval(
+                self.sample(ray.interval_end(k)),
+                self.sample(ray.interval_end(k + 1.0)),
+            ),
+        }
+    }
+
     /// Table coordinate at a grid position; beyond the outermost voxel centres these go on.
     #[inline]
     pub(super) fn sample(&self, at: [f64; 3]) -> f64 {
         match self.sampler {
             Sampler::Hardware | Sampler::Exact => {
-                // Written out: nested maps over arrays do not inline, and this is where the time goes.
-                let (x, y, z) = (
-                    self.neighbours(0, at[0]),
-                    self.neighbours(1, at[1]),
-                    self.neighbours(2, at[2]),
-                );
-                let row = |y: usize, z: usize| {
-                    let row = (z * self.dims[1] + y) * self.dims[0];
-                    [self.voxels[row + x.0].into(), self.voxels[row + x.1].into()]
-                };
-                let corners = [
-                    [row(y.0, z.0), row(y.1, z.0)],
-                    [row(y.0, z.1), row(y.1, z.1)],
-                ];
-                (trilinear(corners, [x.2, y.2, z.2]) - self.origin) * self.scale
+                let (corners, fractions) = self.corners(at);
+                (trilinear(corners, fractions) - self.origin) * self.scale
             }
             Sampler::Nearest => {
                 let voxel = |a: usize| (at[a].floor() as i32).clamp(0, self.dims[a] as i32 - 1);
@@ -170,6 +186,37 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
             });
         };
         gradients::interpolated(self.voxels, self.dims, edge, at).map(|d| d * self.scale)
+    }
+
+    /// The colours of the voxels around a grid position, interpolated.
+    fn colors_around(&self, at: [f64; 3], table: &Baked) -> [f64; 4] {
+        if self.sampler == Sampler::Nearest {
+            return table.rgba(self.sample(at));
+        }
+        let (corners, fractions) = self.corners(at);
+        let colors =
+            corners.map(|z| z.map(|y| y.map(|v| table.rgba((v - self.origin) * self.scale))));
+        std::array::from_fn(|c| trilinear(colors.map(|z| z.map(|y| y.map(|v| v[c]))), fractions))
+    }
+
+    /// The stored numbers around a grid position, and where it lies between them.
+    #[inline]
+    fn corners(&self, at: [f64; 3]) -> ([[[f64; 2]; 2]; 2], [f64; 3]) {
+        // Written out: nested maps over arrays do not inline, and this is where the time goes.
+        let (x, y, z) = (
+            self.neighbours(0, at[0]),
+            self.neighbours(1, at[1]),
+            self.neighbours(2, at[2]),
+        );
+        let row = |y: usize, z: usize| {
+            let row = (z * self.dims[1] + y) * self.dims[0];
+            [self.voxels[row + x.0].into(), self.voxels[row + x.1].into()]
+        };
+        let corners = [
+            [row(y.0, z.0), row(y.1, z.0)],
+            [row(y.0, z.1), row(y.1, z.1)],
+        ];
+        (corners, [x.2, y.2, z.2])
     }
 
     /// The two voxels around a grid coordinate of `axis`, and the fraction between them.

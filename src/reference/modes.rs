@@ -12,11 +12,11 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
         let p = &self.parameters;
         match self.mode {
             Mode::EmissionAbsorption => {
-                let color = self.classes.rgba(x);
+                let color = self.color(x, k, ray);
                 accumulate(state, self.cued(color, k, ray))
             }
             Mode::Shaded(_) => {
-                let color = self.classes.rgba(x);
+                let color = self.color(x, k, ray);
                 let lit = || self.shaded(color, ray.at(k), ray);
                 color != [0.0; 4] && accumulate(state, self.cued(lit(), k, ray))
             }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::auto::Chooser;
+use super::classes::Classes;
 use super::gpu::GpuBackend;
 use super::structures::Structures;
 use super::{Backend, Renderer, cache, self_check};
@@ -147,6 +148,7 @@ impl Renderer {
             structures: Structures::default(),
             transfer: None,
             table: None,
+            classes: Classes::default(),
             progress,
             withdrawn: Vec::new(),
             chooser: Chooser::default(),

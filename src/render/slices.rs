@@ -11,6 +11,7 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::lattice::Clipping;
 use crate::mode::Mode;
+use crate::sample::Classification;
 use crate::skip::Skip;
 
 /// How many slices a picture is made of.
@@ -178,6 +179,13 @@ pub(super) fn check(settings: &Settings, backend: &str) -> Result<()> {
         return refused(
             "mode",
             format!("slices draw emission-absorption, grey, mip and minip, not {name}"),
+        );
+    }
+    if settings.classification != Classification::Post {
+        let name = settings.classification.name();
+        return refused(
+            "classification",
+            format!("slices are classified post, not {name}"),
         );
     }
     if settings.depth_cue > 0.0 {

@@ -18,6 +18,7 @@ use super::{Preparation, Settings, ms_since};
 use crate::cpu::CpuPlan;
 use crate::error::{Error, Result};
 use crate::octree::{Accelerator, Occupancy};
+use crate::sample::Classification;
 use crate::scene::Scene;
 use crate::skip::adaptive::Gradients;
 use crate::skip::beam_masks::BeamMasks;
@@ -255,10 +256,10 @@ impl Structures {
             }
         };
         let activity = settings.mode.activity(table.domain());
-        let is_current = kept
-            .culled
-            .as_ref()
-            .is_some_and(|c| activity.is_that_of(table, c.activity, &c.table));
+        let is_current = kept.culled.as_ref().is_some_and(|c| {
+            let is_by_voxel = settings.classification == Classification::Pre;
+            c.is_by_voxel == is_by_voxel && activity.is_that_of(table, c.activity, &c.table)
+        });
         if !is_current {
             self.next_id += 1;
             kept.culled = Some(Culled::new(

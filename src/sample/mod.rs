@@ -1,14 +1,18 @@
-//! HOW one sample is taken: the interpolation of voxels.
+//! HOW one sample is taken: the interpolation of voxels, and when they get their colour.
 //!
 //! Each sampler has a WGSL twin of the same name in `shaders/sample/`, as has each source of gradients in
 //! `shaders/gradient/`. All samplers return the table coordinate `x` of a grid
 //! position (see [`crate::transfer::Domain`]).
 
+mod classification;
 pub(crate) mod gradients;
+pub mod pre_integrated;
 
 use crate::lattice::Real;
 
+pub use classification::Classification;
 pub use gradients::Gradients;
+pub use pre_integrated::PreIntegrated;
 
 /// The choice of sampler.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

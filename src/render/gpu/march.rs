@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::shader::compose;
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 
 /// What a compiled marcher is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -14,6 +14,7 @@ pub(super) struct March {
     /// The file in `shaders/skip/`.
     pub(super) skip: &'static str,
     pub(super) sampler: Sampler,
+    pub(super) classification: Classification,
     /// The file in `shaders/mode/`.
     pub(super) mode: &'static str,
     /// Whether blocks are held against what the ray has seen.
@@ -71,7 +72,7 @@ impl Count {
 /// Bind group layouts and the pipelines compiled so far.
 #[derive(Debug)]
 pub(super) struct MarchPass {
-    /// View, settings, tiles, target, progress, volume, filter, table, mode, gradients.
+    /// View, settings, tiles, target, progress, volume, filter, table, mode, gradients, colours of voxels.
     pub(super) scene_layout: wgpu::BindGroupLayout,
     /// Bounds, what a pass notes (work counters, or what the next one reads), runs, blocks or what the last pass noted.
     pub(super) skip_layout: wgpu::BindGroupLayout,
@@ -151,6 +152,13 @@ impl MarchPass {
                             wgpu::TextureViewDimension::D3,
                         ),
                     ),
+                    entry(
+                        10,
+                        texture(
+                            wgpu::TextureSampleType::Float { filterable },
+                            wgpu::TextureViewDimension::D3,
+                        ),
+                    ),
                 ],
             });
         let skip_layout = gpu
@@ -195,6 +203,7 @@ impl MarchPass {
             let choices = [
                 ("SKIP", march.skip),
                 ("SAMPLER", march.sampler.shader()),
+                ("CLASSIFICATION", march.classification.shader()),
                 ("MODE", march.mode),
                 ("BOUND", if march.is_bounded { "highest" } else { "none" }),
                 ("COUNT", march.count.shader()),

@@ -1,6 +1,7 @@
 //! The GPU backend: resident volume, passes and targets.
 
 mod before;
+mod classes;
 mod dispatch;
 mod faces;
 mod gradients;
@@ -18,6 +19,8 @@ use std::time::Instant;
 use glam::DVec3;
 
 use self::before::{largest_piece, ray_words};
+use self::classes::ClassBuffers;
+pub(super) use self::classes::JobClasses;
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
 use self::gradients::GradientVolume;
 use self::march::{Count, MarchPass, uniform};
@@ -57,6 +60,7 @@ pub(super) struct Part<'a> {
 /// One picture to draw.
 pub(super) struct Job<'a> {
     pub(super) scene: Scene<'a>,
+    pub(super) classes: JobClasses<'a>,
     pub(super) skip: Skip,
     pub(super) camera: &'a Camera,
     /// Near part first; empty: the bounding box, or what the masks tell.
@@ -109,7 +113,7 @@ pub(super) struct GpuBackend {
     target: GrowBuffer,
     progress: GrowBuffer,
     work: GrowBuffer,
-    table: GrowBuffer,
+    classes: ClassBuffers,
     mode: GrowBuffer,
     timer: SpanTimer,
     present: Option<PresentPass>,
@@ -169,7 +173,7 @@ impl GpuBackend {
             target: GrowBuffer::new("target", storage),
             progress: GrowBuffer::new("progress", Usage::STORAGE),
             work: GrowBuffer::new("work", storage),
-            table: GrowBuffer::new("table", Usage::STORAGE),
+            classes: gpu.checked(|| ClassBuffers::new(&gpu))??,
             mode: GrowBuffer::new("mode", Usage::UNIFORM),
             timer: SpanTimer::new(&gpu, 2),
             view_layout,
@@ -193,6 +197,7 @@ impl GpuBackend {
         self.gradients = None;
         self.kept_faces.clear();
         self.blocks.clear();
+        self.classes.forget_volume();
         let resident = VolumeTexture::upload(&self.gpu, volume)?;
         if resident.filterable != self.march_filterable {
             self.march = MarchPass::new(&self.gpu, resident.filterable);
@@ -218,7 +223,7 @@ impl GpuBackend {
         if let Some(structure) = job.parts.first().map(|p| p.key.0) {
             self.kept_faces.retain(|key, _| key.0 == structure);
         }
-        let mut is_new = false;
+        let mut is_new = self.classes.prepare(&self.gpu, job)?;
         for part in &job.parts {
             if !self.kept_faces.contains_key(&part.key) {
                 let faces = self
@@ -250,6 +255,7 @@ impl GpuBackend {
             + job
                 .block_words()
                 .map_or(0, |(_, words)| size_of_val(words) as u64)
+            + self.classes.bytes(job)
             + width * height * 4 * u64::from(ray_words(job))
             + job
                 .gradient_edge()

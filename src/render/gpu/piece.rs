@@ -73,7 +73,7 @@ impl GpuBackend {
         let blocks = self.blocks.holding(gpu, job.block_words());
         let ray_bytes = pixels * 4 * u64::from(ray_words(job));
         let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
-        let table = self.table.write(gpu, job.scene.table.rgba());
+        let (table, colors) = self.classes.bound(gpu, job);
         let mode = self.mode.write(gpu, &[mode_of(job, volume, gradients)]);
 
         // What is not read is bound all the same: to the voxels.
@@ -95,6 +95,7 @@ impl GpuBackend {
             skip: if is_first { Skip::Box } else { job.skip }.method().shader,
             sampler: job.scene.sampler,
             mode: job.scene.mode.row().shader,
+            classification: job.scene.classification,
             is_bounded: job.blocks.is_some_and(|words| words.majorants.is_some()),
             count,
             gradient: job.gradient(),
@@ -158,6 +159,7 @@ impl GpuBackend {
                 bind(7, table.as_entire_binding()),
                 bind(8, mode.as_entire_binding()),
                 bind(9, wgpu::BindingResource::TextureView(gradient_view)),
+                bind(10, wgpu::BindingResource::TextureView(colors)),
             ],
         });
         let skip_group = |notes: &wgpu::Buffer, reads: &wgpu::Buffer| {

@@ -116,6 +116,7 @@ impl SlicesPass {
                 ("SAMPLER", variant.sampler.name()),
                 ("MODE", variant.mode),
                 ("CUE", "off"),
+                ("CLASSIFICATION", "post"),
                 (
                     "BLEND",
                     if variant.is_ordered {
@@ -205,7 +206,7 @@ impl GpuBackend {
         let settings = self
             .settings
             .write(gpu, &[settings_of(job, volume, dispatch)]);
-        let table = self.table.write(gpu, job.scene.table.rgba());
+        let (table, _) = self.classes.bound(gpu, job);
         let mode = self.mode.write(gpu, &[mode_of(job, volume, None)]);
         let corners = self.corners.write(gpu, &slices.corners);
         let [width, height] = piece.size;

@@ -125,7 +125,7 @@ pub(super) fn view_of(job: &Job, piece: &Piece, clip_from_local: &glam::DMat4) -
         dir_dx: v(frame.dir_dx),
         start_depth: (frame.start - job.camera.eye).dot(job.camera.forward()) as f32,
         dir_dy: v(frame.dir_dy),
-        pad1: 0.0,
+        reach: frame.reach as f32,
         extent: v(frame.extent),
         pad2: 0.0,
         grid_from_local: v(frame.grid_from_local),

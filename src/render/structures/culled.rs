@@ -12,6 +12,7 @@ use crate::mode::Activity;
 use crate::octree::{Accelerator, Hull, Occupancy};
 use crate::render::block_words::BlockWords;
 use crate::render::{Preparation, Settings, ms_since};
+use crate::sample::Classification;
 use crate::scene::Scene;
 use crate::skip::beam_masks::BeamMasks;
 use crate::skip::k_cuts::{BestCuts, Planes};
@@ -25,6 +26,8 @@ const TILE_BOX: usize = 16;
 pub(super) struct Culled {
     pub(super) id: u64,
     pub(super) activity: Activity,
+    /// Whether values between voxels do not count.
+    pub(super) is_by_voxel: bool,
     pub(super) table: Arc<Table>,
     pub(super) occupancy: Occupancy,
     /// By the blocks that they are of, as they were asked for first: a hull's place is its name.
@@ -51,7 +54,12 @@ impl Culled {
         let start = Instant::now();
         let is_halved = settings.skip == Skip::HalfSplit && settings.cuts.half == HalfCut::Middle;
         let halves = is_halved.then(|| skip::half_axis(settings.camera.forward()));
+        let is_by_voxel = settings.classification == Classification::Pre;
         let occupancy = match halves {
+            _ if is_by_voxel => {
+                let apron = scene.sampler.apron();
+                Occupancy::of_visible_voxels(scene.volume, table, settings.block, apron)
+            }
             Some(axis) => accelerator.cull_halves(axis, table, settings.mode),
             None => accelerator.cull(table, settings.mode),
         };
@@ -59,6 +67,7 @@ impl Culled {
         Self {
             id,
             activity: settings.mode.activity(table.domain()),
+            is_by_voxel,
             table: Arc::clone(table),
             occupancy,
             hulls: Vec::new(),
