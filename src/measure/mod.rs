@@ -5,5 +5,6 @@ pub mod metrics;
 pub mod profile;
 pub mod race;
 pub mod statistics;
+pub mod truth;
 pub mod tune;
 pub mod verify;
