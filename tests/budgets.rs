@@ -21,7 +21,7 @@ const LIMIT: f64 = 0.004;
 /// Other views, and how many of them must keep the limit.
 const VIEWS: u64 = 50;
 const KEPT: u64 = 48;
-const SIZE: [u32; 2] = [64, 64];
+const SIZE: [u32; 2] = [48, 48];
 
 struct Scene {
     volume: Arc<Volume>,
@@ -204,4 +204,101 @@ fn a_budget_is_kept_or_refused_by_name() {
     }
     assert_eq!(scene.volume.dims, [16; 3]);
     assert!(!scene.transfer.points().is_empty());
+}
+
+/// The command's exit code and what it printed, with truths kept in a folder of the test's own.
+fn hollowcast(folder: &Path, args: &[&str]) -> (i32, String, String) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_hollowcast"))
+        .args(args)
+        .env("XDG_CACHE_HOME", folder)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    let code = output.status.code().unwrap();
+    (code, text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn the_command_tells_truths_and_draws_with_profiles_that_keep_a_budget() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |args: &str| hollowcast(folder.path(), &args.split(' ').collect::<Vec<_>>());
+    let (code, out, err) = run("truth phantom:pot:16 --size 24 -o t.npy --against cpu --json");
+    assert_eq!((code, err.lines().count()), (0, 0), "{err}");
+    let told: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert!(told["bound"].as_f64().unwrap() <= 1e-4, "{out}");
+    assert_eq!(told["masked_share"], 0.0);
+    let measured = &told["measured"];
+    let error = measured["error"]["max_abs"].as_f64().unwrap();
+    assert!(error > 0.0 && error < 0.1, "{out}");
+    for field in ["psnr_db", "ssim", "flip"] {
+        assert!(measured[field].is_f64(), "{field}: {out}");
+    }
+    assert!(folder.path().join("t.npy").is_file());
+    assert_eq!(
+        std::fs::read_dir(folder.path().join("hollowcast/truth"))
+            .unwrap()
+            .count(),
+        1
+    );
+
+    let tune = "tune phantom:pot:16 --size 24 --views 1 --repeat 1 --blocks 8 --backends cpu --error-views 2 --error-size 24";
+    let (code, out, err) = run(&format!("{tune} --max-error 0.01 -o p.toml --json"));
+    assert_eq!(code, 0, "{err}");
+    let told: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert!(told["error"].as_f64().unwrap() <= 0.01, "{out}");
+    assert!(told["machine"]["cores"].as_u64().unwrap() > 0, "{out}");
+    let (code, out, err) =
+        run("render phantom:pot:16 --size 24 --profile p.toml -o p.npy --explain --json");
+    assert_eq!(code, 0, "{err}");
+    let drawn: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(drawn["step_voxels"], told["step_voxels"]);
+    assert_eq!(drawn["ert"], told["ert"]);
+    assert!(
+        drawn["explained"]["step_estimate"]["max_abs"].is_f64(),
+        "{out}"
+    );
+    let (_, out, _) =
+        run("render phantom:pot:16 --size 24 --profile p.toml --ert 0.5 --step 1 -o p.npy --json");
+    let drawn: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(
+        (&drawn["ert"], &drawn["step_voxels"]),
+        (&0.5.into(), &1.0.into())
+    );
+    let (code, out, err) =
+        run("render phantom:pot:16 --size 24 --method hull --backend cpu -o p.npy --explain");
+    assert_eq!(code, 0, "{err}");
+    for words in [
+        "method: hull",
+        "no channel is off by more than 0.0200 (proven",
+        "step of 0.5 voxels: off by about",
+    ] {
+        assert!(out.contains(words), "{words:?} is not in {out}");
+    }
+
+    for (args, named) in [
+        (
+            format!("{tune} --max-error 1e-9"),
+            "max-error: nothing stays inside",
+        ),
+        (
+            format!("{tune} --max-error 0.01 --psnr 40"),
+            "cannot be used with",
+        ),
+        (
+            format!("{tune} --budget-ms -3"),
+            "budget-ms: must be a positive number",
+        ),
+        ("truth phantom:pot:16".to_owned(), "output: name a file"),
+        (
+            "truth phantom:pot:16 -o t.jpg".to_owned(),
+            "no picture format of that name",
+        ),
+    ] {
+        let (code, _, err) = run(&args);
+        assert!(
+            code == 2 && err.contains(named) && err.lines().count() == 1,
+            "{args}: {err}"
+        );
+    }
 }

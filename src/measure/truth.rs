@@ -83,6 +83,15 @@ impl Truths {
         })
     }
 
+    /// Takes volume and transfer function of a renderer, where both are set.
+    ///
+    /// # Errors
+    /// [`crate::Error::Setting`] where one is not.
+    pub fn like(renderer: &Renderer) -> Result<Self> {
+        let (volume, transfer) = renderer.scene()?;
+        Self::new(volume, transfer)
+    }
+
     /// Keeps truths in this folder instead, or nowhere.
     pub fn kept_in(mut self, folder: Option<&Path>) -> Self {
         self.folder = folder.map(Path::to_owned);
