@@ -83,7 +83,7 @@ fn random_directions(mut seed: u64) -> impl Iterator<Item = DVec3> {
 /// Tunes, and counts on how many of 50 other views the limit is kept.
 fn holds_elsewhere(name: &str, volume: Volume) {
     let mut scene = scene(volume);
-    let plan = plan(&scene, Budget::MaxError(LIMIT), 24);
+    let plan = plan(&scene, Budget::MaxError(LIMIT), 64);
     let renderers = std::slice::from_mut(&mut scene.renderer);
     let found = budget::search(renderers, &mut scene.truths, &plan, &mut |_| ()).unwrap();
     let cameras: Vec<Camera> = random_directions(0x9E37_79B9_7F4A_7C15)

@@ -198,7 +198,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     text.push('\n');
     text.push_str(&rows(&tuning.rows));
-    text.push_str(&format!("\n{}\n", tuning.noise.words()));
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "\n{}", tuning.noise.words());
     if let Some(output) = &output {
         text.push_str(&verdict(&tuning, output));
     }

@@ -91,7 +91,7 @@ pub struct Found {
 
 /// Steps that are tried, in voxels of the smallest spacing: from two voxels down by the root of 2.
 pub fn steps() -> Vec<f64> {
-    (0..=10)
+    (0..=12)
         .map(|i| 2.0 * 0.5_f64.powf(0.5 * f64::from(i)))
         .collect()
 }
