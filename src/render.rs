@@ -3,12 +3,13 @@
 mod auto;
 mod backend;
 mod block_words;
-mod cache;
+pub(crate) mod cache;
 mod classes;
 mod gpu;
 mod self_check;
 mod slices;
 mod structures;
+mod trace;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -116,6 +117,8 @@ pub struct FrameTimes {
     pub cast_ms: f64,
     /// All of it, wall time, read-back excluded, in ms.
     pub frame_ms: f64,
+    /// Both passes by the adapter's own clock, in ms; `None` where it tells no time.
+    pub gpu_ms: Option<f64>,
 }
 
 /// A picture and what it took.
@@ -485,6 +488,7 @@ fn draw_cpu(
         raster_ms: 0.0,
         cast_ms: frame_ms,
         frame_ms,
+        gpu_ms: None,
     })
 }
 
@@ -502,6 +506,7 @@ fn draw_reference(
             raster_ms: 0.0,
             cast_ms: frame_ms,
             frame_ms,
+            gpu_ms: None,
         },
     ))
 }

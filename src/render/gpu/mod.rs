@@ -394,13 +394,14 @@ impl GpuBackend {
                 match self.timer.read_ms(&self.gpu)? {
                     Some(ms) if job.slices.is_some() => times.raster_ms += ms[RASTER as usize],
                     Some(ms) => {
-                        times.raster_ms += if job.parts.is_empty() && job.skip != Skip::SegmentList
-                        {
+                        let raster_ms = if job.parts.is_empty() && job.skip != Skip::SegmentList {
                             0.0
                         } else {
                             ms[RASTER as usize]
                         };
+                        times.raster_ms += raster_ms;
                         times.cast_ms += ms[CAST as usize];
+                        *times.gpu_ms.get_or_insert(0.0) += raster_ms + ms[CAST as usize];
                     }
                     None => times.cast_ms = times.frame_ms,
                 }
