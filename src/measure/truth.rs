@@ -16,7 +16,7 @@ use std::sync::Arc;
 use self::cache::Key;
 use crate::error::Result;
 use crate::render::{self, BackendChoice, Renderer, Settings};
-use crate::sample::Sampler;
+use crate::sample::{Classification, Gradients, Sampler};
 use crate::scene::Picture;
 use crate::skip::Skip;
 use crate::transfer::TransferFunction;
@@ -107,10 +107,17 @@ impl Truths {
     /// # Errors
     /// [`crate::Error::Setting`] for settings out of range.
     pub fn of(&mut self, settings: &Settings, mut progress: impl FnMut(f64)) -> Result<Truth> {
+        // A B-spline is another field, not a worse way to sample this one.
+        let field = match settings.sampler {
+            Some(Sampler::Tricubic | Sampler::TricubicExact) => Sampler::TricubicExact,
+            _ => Sampler::Exact,
+        };
         let settings = Settings {
             skip: Skip::GridDda,
             block: 4,
-            sampler: Some(Sampler::Exact),
+            sampler: Some(field),
+            classification: Classification::Post,
+            gradients: Gradients::Fly,
             ert: 1.0,
             ..*settings
         };
