@@ -1,5 +1,7 @@
 //! The command line: one file per subcommand; arguments that several take in files of their own.
 
+mod bench;
+mod bench_report;
 mod camera;
 mod clip_args;
 mod compare;
@@ -11,6 +13,7 @@ mod progress;
 mod render;
 mod report;
 mod scene_args;
+mod suite_words;
 mod table;
 mod tune;
 mod values;
@@ -34,6 +37,8 @@ Examples:
   hollowcast compare scan.nii.gz --steps 0.002u,0.005u,0.01u --json > rows.json
   hollowcast tune scan.nrrd                                the fastest method, blocks and cuts, as a profile for render
   hollowcast verify scan.nrrd                              does skipping change one bit?
+  hollowcast bench benches/quick.toml -o results.jsonl     a suite of measurements
+  hollowcast report results.jsonl -o report.html           and what they say, as a page
   hollowcast phantom pot 256 -o pot.nrrd                   a test volume
 
 VOLUME is a file (NRRD, MetaImage, NIfTI, raw) or phantom:NAME:SIZE.
@@ -53,6 +58,8 @@ enum Command {
     Compare(compare::Args),
     Tune(tune::Args),
     Verify(verify::Args),
+    Bench(bench::Args),
+    Report(bench_report::Args),
     Info(info::Args),
     Phantom(phantom::Args),
     Demo(demo::Args),
@@ -78,6 +85,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Verify(args) => verify::run(&args),
+        Command::Bench(args) => bench::run(&args),
+        Command::Report(args) => bench_report::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Phantom(args) => phantom::run(&args),
         Command::Demo(args) => demo::run(&args),
@@ -100,15 +109,18 @@ fn answer_without_command(answer: &clap::Error) -> ExitCode {
             // Nobody is left to tell where even this cannot be printed.
             let _ = answer.print();
         }
-        _ => {
-            let text = answer.render().to_string();
-            let told = text.lines().filter(|line| {
-                !line.starts_with("Usage:") && !line.starts_with("For more information")
-            });
-            eprintln!("{}", one_line(&told.collect::<Vec<_>>().join("\n")));
-        }
+        _ => eprintln!("{}", message(answer)),
     }
     ExitCode::from(answer.exit_code() as u8)
+}
+
+/// An error of clap's without its hints, in one line.
+fn message(answer: &clap::Error) -> String {
+    let text = answer.render().to_string();
+    let told = text
+        .lines()
+        .filter(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
+    one_line(&told.collect::<Vec<_>>().join("\n"))
 }
 
 fn one_line(text: &str) -> String {

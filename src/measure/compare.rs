@@ -253,7 +253,7 @@ fn chosen(method: MethodChoice, entrant: &Entrant) -> Vec<String> {
 }
 
 /// The settings as a backend can draw them: only graphics adapters have a filter.
-pub(super) fn settings_on(backend: &str, settings: &Settings) -> Settings {
+pub fn settings_on(backend: &str, settings: &Settings) -> Settings {
     let sampler = if backend == "gpu" {
         settings.sampler
     } else {

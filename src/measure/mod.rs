@@ -1,10 +1,12 @@
-//! How fast and how exact: comparisons of methods over steps, blocks and backends, and the search for the fastest.
+//! How fast and how exact: comparisons of methods over steps, blocks and backends, the search for the fastest,
+//! and suites of all that.
 
 pub mod compare;
 pub mod metrics;
 pub mod profile;
 pub mod race;
 pub mod statistics;
+pub mod suite;
 pub mod truth;
 pub mod tune;
 pub mod verify;
