@@ -1,10 +1,11 @@
 //! The [`Renderer`]: owns the backend, the resident volume and the structures, and draws pictures.
 
 mod auto;
-mod cache;
+pub(crate) mod cache;
 mod gpu;
 mod self_check;
 mod structures;
+mod trace;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -137,6 +138,8 @@ pub struct FrameTimes {
     pub cast_ms: f64,
     /// All of it, wall time, read-back excluded, in ms.
     pub frame_ms: f64,
+    /// Both passes by the adapter's own clock, in ms; `None` where it tells no time.
+    pub gpu_ms: Option<f64>,
 }
 
 /// A picture and what it took.
@@ -554,6 +557,7 @@ fn draw_cpu(
         raster_ms: 0.0,
         cast_ms: frame_ms,
         frame_ms,
+        gpu_ms: None,
     })
 }
 
@@ -571,6 +575,7 @@ fn draw_reference(
             raster_ms: 0.0,
             cast_ms: frame_ms,
             frame_ms,
+            gpu_ms: None,
         },
     ))
 }

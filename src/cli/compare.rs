@@ -5,6 +5,7 @@ use std::sync::Arc;
 use hollowcast::Result;
 use hollowcast::lattice::Clipping;
 use hollowcast::measure::compare::{Comparison, Plan, ReferencePlan, Row, compare};
+use hollowcast::measure::machine::Machine;
 use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Renderer};
 use hollowcast::skip::{METHODS, Skip};
@@ -107,7 +108,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     } else {
         super::print(&heading(&volume, &plan, &comparison, &infos))?;
         super::print(&table::comparison(&comparison.rows))?;
-        super::print(&choices(&comparison.rows))
+        super::print(&choices(&comparison.rows))?;
+        super::print(&format!("\n{}\n", comparison.noise.words()))
     }
 }
 
@@ -255,13 +257,15 @@ impl Args {
             })
             .collect();
         json!({
+            "machine": Machine::this(),
             "adapter": adapters[0],
             "adapters": adapters,
+            "noise": comparison.noise,
             "volume": report::volume_json(volume),
             "transfer_function": self.scene.tf,
             "table_size": self.scene.table_size,
             "mode": plan.settings.mode.name(),
-            "ert": report::decimal(self.scene.ert),
+            "ert": report::decimal(plan.settings.ert),
             "steps": plan.steps,
             "runs_per_view": plan.rounds,
             "reference": plan.reference,

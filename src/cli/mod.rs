@@ -6,6 +6,7 @@ mod camera;
 mod clip_args;
 mod compare;
 mod demo;
+mod explain;
 mod info;
 mod mode_args;
 mod phantom;
@@ -15,7 +16,9 @@ mod report;
 mod scene_args;
 mod suite_words;
 mod table;
+mod truth;
 mod tune;
+mod tune_budget;
 mod values;
 mod verify;
 mod volume_args;
@@ -36,6 +39,8 @@ Examples:
   hollowcast render scan.mhd --tf ramp:40:255:0.3 --camera az=120,el=35,dist=1.8 -o scan.exr
   hollowcast compare scan.nii.gz --steps 0.002u,0.005u,0.01u --json > rows.json
   hollowcast tune scan.nrrd                                the fastest method, blocks and cuts, as a profile for render
+  hollowcast tune scan.nrrd --max-error 0.004              the fastest that is this exact, measured against the truth
+  hollowcast truth scan.nrrd -o truth.exr                  the picture that all tend to as the step goes to 0
   hollowcast verify scan.nrrd                              does skipping change one bit?
   hollowcast bench benches/quick.toml -o results.jsonl     a suite of measurements
   hollowcast report results.jsonl -o report.html           and what they say, as a page
@@ -57,6 +62,7 @@ enum Command {
     Render(render::Args),
     Compare(compare::Args),
     Tune(tune::Args),
+    Truth(truth::Args),
     Verify(verify::Args),
     Bench(bench::Args),
     Report(bench_report::Args),
@@ -84,6 +90,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Tune(args) => tune::run(&args),
+        Command::Truth(args) => truth::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Report(args) => bench_report::run(&args),

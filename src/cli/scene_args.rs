@@ -56,9 +56,9 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "WHERE", default_value = "az=30,el=20,dist=2,up=z,fov=45", help = camera::HELP)]
     pub(super) camera: CameraSpec,
 
-    /// Opacity at which a ray stops; off: never
-    #[arg(long, allow_negative_numbers = true, value_name = "OPACITY", default_value = "0.98", value_parser = values::ert)]
-    pub(super) ert: f32,
+    /// Opacity at which a ray stops; off: never [default: 0.98]
+    #[arg(long, allow_negative_numbers = true, value_name = "OPACITY", value_parser = values::ert)]
+    pub(super) ert: Option<f32>,
 }
 
 impl SceneArgs {
@@ -79,10 +79,10 @@ impl SceneArgs {
             mode,
             block,
             step_voxels,
-            ert: self.ert,
             size: self.size,
             clipping: *clipping,
             table_entries: self.table_size,
+            ert: self.ert.unwrap_or(Settings::new(camera).ert),
             ..Settings::new(camera)
         }
     }

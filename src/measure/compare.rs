@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::metrics::metrics;
-use super::race::{Entrant, race};
+use super::race::{Entrant, Noise, Outcome, race};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::render::{Choice, MethodChoice, Renderer, Settings};
@@ -78,6 +78,12 @@ pub struct Row {
     pub cast_ms: f64,
     /// A frame after the structures stand, raster included, read-back excluded.
     pub frame_ms: f64,
+    /// The first quartile of that: of each view's rounds, averaged over the views.
+    pub frame_q1_ms: f64,
+    /// The third quartile.
+    pub frame_q3_ms: f64,
+    /// Both passes of a frame by the adapter's own clock; `None` where it has none.
+    pub gpu_ms: Option<f64>,
     /// Fetching the picture of the first view, once.
     pub read_back_ms: f64,
     /// `frame_ms` of box with the same settings on the same backend over this row's.
@@ -106,6 +112,8 @@ pub struct Comparison {
     pub rows: Vec<Row>,
     /// The sampler that each backend used.
     pub samplers: Vec<Sampler>,
+    /// Of all times.
+    pub noise: Noise,
 }
 
 /// Runs the plan on each of the renderers, whose volume and transfer function are set, as those of `reference` are.
@@ -154,7 +162,9 @@ pub fn compare(
     let mut comparison = Comparison {
         rows: Vec::new(),
         samplers: vec![Sampler::Exact; renderers.len()],
+        noise: Noise::of(&[], plan.rounds),
     };
+    let mut all: Vec<Outcome> = Vec::new();
     for (s, step) in plan.steps.iter().enumerate() {
         let truth = references(reference, plan, step)?;
         for (b, &block) in plan.blocks.iter().enumerate() {
@@ -174,7 +184,8 @@ pub fn compare(
                     .find(|&i| entrants[i].renderer == entrant.renderer && methods[i] == box_choice)
                     .expect("box is in every plan");
                 comparison.samplers[entrant.renderer] = outcome.sampler;
-                let speedup = outcomes[base].mean(|t| t.frame_ms) / outcome.mean(|t| t.frame_ms);
+                let frame = outcome.quartiles(|t| t.frame_ms);
+                let speedup = outcomes[base].mean(|t| t.frame_ms) / frame.median;
                 comparison.rows.push(Row {
                     backend: renderer.info().backend,
                     method: method.name(),
@@ -187,7 +198,10 @@ pub fn compare(
                     cull_ms: outcome.preparation.cull_ms,
                     raster_ms: outcome.mean(|t| t.raster_ms),
                     cast_ms: outcome.mean(|t| t.cast_ms),
-                    frame_ms: outcome.mean(|t| t.frame_ms),
+                    frame_ms: frame.median,
+                    frame_q1_ms: frame.q1,
+                    frame_q3_ms: frame.q3,
+                    gpu_ms: outcome.gpu_ms(),
                     read_back_ms: outcome.read_back_ms,
                     speedup_vs_box: speedup,
                     samples_per_pixel: outcome.counters.samples as f64 / pixels,
@@ -199,8 +213,10 @@ pub fn compare(
                     psnr_vs_reference_db: psnr,
                 });
             }
+            all.extend(outcomes);
         }
     }
+    comparison.noise = Noise::of(&all, plan.rounds);
     Ok(comparison)
 }
 

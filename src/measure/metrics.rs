@@ -2,6 +2,26 @@
 //!
 //! All are taken on the channels as they are rendered: linear red, green and blue premultiplied by opacity, and opacity,
 //! before any background, curve or quantisation. A channel's full scale is 1.
+//!
+//! | measure | of | unit |
+//! | --- | --- | --- |
+//! | [`Metrics::max_abs`] | the channel that is off most | full scale |
+//! | [`Metrics::mean_abs`] | all channels | full scale |
+//! | [`Metrics::rms`] | all channels | full scale |
+//! | [`Metrics::psnr_db`] | the same, against a peak of full scale | decibels |
+//! | [`Metrics::off_share`] | pixels with a channel off by more than 1/255 | share, 0 to 1 |
+//! | [`Perceived::ssim`] | structural similarity, mean of the four channels | 1 where equal |
+//! | [`Perceived::flip`] | LDR-FLIP over black or white, whichever shows more | 0 (equal) to 1 |
+//!
+//! Pixels that are masked count for nothing in the first five, and as equal in the last two, which look at neighbourhoods.
+
+mod flip;
+#[cfg(test)]
+mod known;
+mod plane;
+mod ssim;
+
+use plane::Plane;
 
 use super::truth::Truth;
 use crate::scene::Picture;
@@ -32,9 +52,10 @@ impl Metrics {
 /// How alike two pictures look.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Perceived {
-    /// Mean structural similarity, at most 1: equal.
+    /// Mean structural similarity (Wang et al. 2004) of the four channels, at most 1: equal. Not a number (in JSON: null)
+    /// where a picture is smaller than a window of 11 x 11 pixels.
     pub ssim: f64,
-    /// Mean LDR-FLIP error, 0 (equal) to 1.
+    /// Mean LDR-FLIP error (Andersson et al. 2020), 0 (equal) to 1: of the pictures over black and over white the larger.
     pub flip: f64,
 }
 
@@ -117,14 +138,38 @@ pub fn metrics<'a>(pairs: impl IntoIterator<Item = impl Into<Pair<'a>>>) -> Metr
 /// # Panics
 /// Where the sizes differ.
 pub fn perceived<'a>(pair: impl Into<Pair<'a>>) -> Perceived {
-    let pair = pair.into();
+    let Pair {
+        picture,
+        truth,
+        masked,
+    } = pair.into();
     assert_eq!(
-        pair.picture.size, pair.truth.size,
+        picture.size, truth.size,
         "pictures of one size are compared"
     );
+    let shown = |i: usize| match masked {
+        Some(masked) if masked[i] => truth.rgba[i],
+        _ => picture.rgba[i],
+    };
+    let shown: Vec<[f32; 4]> = (0..picture.rgba.len()).map(shown).collect();
+    let size = picture.size.map(|n| n as usize);
+    let channels = [0, 1, 2, 3].map(|c: usize| {
+        let [a, b] = [&shown, &truth.rgba]
+            .map(|rgba| Plane::new(size, rgba.iter().map(|p| f64::from(p[c]))));
+        ssim::ssim(&a, &b)
+    });
+    let over = |background: f64| {
+        let [a, b] = [&shown, &truth.rgba].map(|rgba| {
+            [0, 1, 2].map(|c: usize| {
+                let behind = |p: &[f32; 4]| (1.0 - f64::from(p[3])) * background;
+                Plane::new(size, rgba.iter().map(|p| f64::from(p[c]) + behind(p)))
+            })
+        });
+        flip::flip(&a, &b)
+    };
     Perceived {
-        ssim: f64::NAN,
-        flip: f64::NAN,
+        ssim: channels.iter().sum::<f64>() / 4.0,
+        flip: over(0.0).max(over(1.0)),
     }
 }
 
@@ -161,6 +206,28 @@ mod tests {
         let m = metrics([(&a, &a), (&b, &flat(0.0, 1))]);
         assert_eq!((m.max_abs, m.mean_abs, m.rms), (1.0, 0.25, 0.5));
         assert_eq!(m.off_share, 0.25);
+    }
+
+    #[test]
+    fn what_looks_alike_is_alike_and_masked_pixels_look_equal() {
+        let size = [16, 16];
+        let rgba = (0..256).map(|i| [i as f32 / 255.0 * 0.5; 4]).collect();
+        let a = Picture { size, rgba };
+        let mut b = a.clone();
+        let same = perceived((&a, &b));
+        assert!(
+            (same.ssim - 1.0).abs() < 1e-12 && same.flip == 0.0,
+            "{same:?}"
+        );
+        b.rgba[100] = [1.0; 4];
+        let off = perceived((&b, &a));
+        assert!(off.ssim < 0.99 && off.flip > 0.001, "{off:?}");
+        let masked: Vec<bool> = (0..256).map(|i| i == 100).collect();
+        let pair = Pair {
+            masked: Some(&masked),
+            ..Pair::from((&b, &a))
+        };
+        assert_eq!(perceived(pair), same);
     }
 
     #[test]

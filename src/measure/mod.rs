@@ -1,7 +1,11 @@
 //! How fast and how exact: comparisons of methods over steps, blocks and backends, the search for the fastest,
 //! and suites of all that.
 
+pub mod bounds;
+pub mod budget;
 pub mod compare;
+pub mod errors;
+pub mod machine;
 pub mod metrics;
 pub mod profile;
 pub mod race;

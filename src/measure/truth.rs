@@ -1,17 +1,28 @@
 //! Ground truth: converged pictures, which errors are measured against.
+//!
+//! The truth of a scene (volume, transfer function in a table, mode, camera, clipping, size) is what its picture tends to as
+//! the step goes to 0, in double precision, with exact interpolation and without early termination. Skipping is by a lossless
+//! method, which changes no bit. It is never taken from a graphics adapter. How it is refined: see [`refine`](self::refine).
+//!
+//! Truths are kept in the user's cache folder under a hash of all that they depend on. Every file there is safe to delete,
+//! and a damaged one is computed anew.
 
+mod cache;
+mod refine;
+
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use self::cache::Key;
 use crate::error::Result;
-use crate::render::{BackendChoice, Renderer, Settings};
+use crate::render::{self, BackendChoice, Renderer, Settings};
 use crate::sample::Sampler;
 use crate::scene::Picture;
 use crate::skip::Skip;
 use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 
-/// Two refinements that differ by less than this in every channel count as one picture.
-pub const BOUND: f64 = 1e-4;
+pub use refine::{BOUND, COARSEST_STEP, FINEST_STEP};
 
 /// A converged picture of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +33,8 @@ pub struct Truth {
     pub masked: Vec<bool>,
     /// The smallest step that any pixel was refined to, in voxels of the smallest spacing.
     pub step_voxels: f64,
-    /// The largest difference of any channel of any pixel that is not masked between its last two refinements.
+    /// The largest difference of any channel of any pixel that is not masked between its last two refinements. Where the
+    /// error falls at least in proportion to the step, the last is no further than this from the limit.
     pub bound: f64,
 }
 
@@ -34,10 +46,10 @@ impl Truth {
     }
 }
 
-/// The truth of one picture; [`Truths`] makes several of one volume.
+/// The truth of one picture, as [`Truths::of`] has it; [`Truths`] makes several of one volume in less time.
 ///
 /// # Errors
-/// As [`Truths::of`].
+/// As [`Truths::new`] and [`Truths::of`].
 pub fn truth(
     volume: &Arc<Volume>,
     transfer: &TransferFunction,
@@ -50,10 +62,13 @@ pub fn truth(
 /// Makes truths of one volume and transfer function, and keeps what stands for them.
 pub struct Truths {
     renderer: Renderer,
+    /// Of the volume and the transfer function.
+    key: Key,
+    folder: Option<PathBuf>,
 }
 
 impl Truths {
-    /// Takes the volume.
+    /// Takes the volume; truths are kept in the user's cache folder.
     ///
     /// # Errors
     /// As [`Renderer::set_volume`].
@@ -61,41 +76,52 @@ impl Truths {
         let mut renderer = Renderer::new(BackendChoice::Reference)?;
         renderer.set_volume(Arc::clone(volume))?;
         renderer.set_transfer(transfer.clone());
-        Ok(Self { renderer })
+        Ok(Self {
+            renderer,
+            key: Key::new(volume, transfer),
+            folder: render::cache::file("truth"),
+        })
+    }
+
+    /// Keeps truths in this folder instead, or nowhere.
+    pub fn kept_in(mut self, folder: Option<&Path>) -> Self {
+        self.folder = folder.map(Path::to_owned);
+        self
     }
 
     /// The truth of these settings: of their mode, camera, clipping, size and table. Skip, block, sampler, step and early
     /// termination are not read.
     ///
-    /// `progress` is told how much of the work is done, 0 to 1.
+    /// `progress` is told how much of the work is done, 0 to 1: an estimate, since how far a picture must be refined shows
+    /// as it is.
     ///
     /// # Errors
     /// [`crate::Error::Setting`] for settings out of range.
     pub fn of(&mut self, settings: &Settings, mut progress: impl FnMut(f64)) -> Result<Truth> {
-        let mut settings = Settings {
+        let settings = Settings {
             skip: Skip::GridDda,
-            block: 8,
+            block: 4,
             sampler: Some(Sampler::Exact),
             ert: 1.0,
-            step_voxels: 0.25,
             ..*settings
         };
-        let mut picture = self.renderer.render(&settings)?.picture;
-        let mut bound = f64::INFINITY;
-        let mut levels = 0.0;
-        while bound > BOUND && settings.step_voxels > 1.0 / 64.0 {
-            settings.step_voxels *= 0.5;
-            levels += 1.0;
-            progress(levels / 4.0);
-            let finer = self.renderer.render(&settings)?.picture;
-            bound = finer.difference(&picture).max_abs;
-            picture = finer;
+        let file = self
+            .folder
+            .as_ref()
+            .map(|f| f.join(self.key.name(&settings)));
+        if let Some(truth) = file
+            .as_deref()
+            .and_then(|file| cache::read(file, settings.size))
+        {
+            return Ok(truth);
         }
-        Ok(Truth {
-            masked: vec![false; picture.rgba.len()],
-            picture,
-            step_voxels: settings.step_voxels,
-            bound,
-        })
+        let truth = refine::refine(&mut self.renderer, &settings, &mut progress)?;
+        if let Some(file) = &file {
+            cache::write(file, &truth);
+        }
+        Ok(truth)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -55,13 +55,20 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
 
     /// The pixel in column `x` of row `y`.
     pub(super) fn pixel(&self, x: usize, y: usize) -> Pixel {
-        let ray = self.basis.ray(x as f64, y as f64);
+        self.pixel_at([x as f64, y as f64])
+    }
+
+    /// What is seen at a place of the picture; whole numbers are the middles of pixels.
+    pub(super) fn pixel_at(&self, [x, y]: [f64; 2]) -> Pixel {
+        let ray = self.basis.ray(x, y);
         let mut state = [0.0; 4];
         let shows = |k: u32| {
             let k = f64::from(k);
             self.add(&mut [0.0; 4], self.sample(ray.at(k)), k, &ray)
         };
-        let mut segments = self.plan.segments(&ray, [x as u32, y as u32], &shows);
+        let mut segments = self
+            .plan
+            .segments(&ray, [x.round() as u32, y.round() as u32], &shows);
         let mut counters = Counters::default();
         let mut first_hit = f64::INFINITY;
         let mut k = 0;

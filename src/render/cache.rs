@@ -1,4 +1,4 @@
-//! What is found out once per adapter and kept in the user's cache folder, as JSON. Every file there is safe to delete,
+//! What is found out once, per adapter or scene, and kept in the user's cache folder; what adapters cost as JSON. Every file there is safe to delete,
 //! and one that cannot be read is made anew.
 
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 /// The file of this name in `$XDG_CACHE_HOME/hollowcast` or `~/.cache/hollowcast`.
-pub(super) fn file(name: &str) -> Option<PathBuf> {
+pub(crate) fn file(name: &str) -> Option<PathBuf> {
     let set = |name| {
         std::env::var_os(name)
             .filter(|v| !v.is_empty())

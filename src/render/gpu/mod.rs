@@ -354,13 +354,14 @@ impl GpuBackend {
                 times.frame_ms += ms_since(start);
                 match self.timer.read_ms(&self.gpu)? {
                     Some(ms) => {
-                        times.raster_ms += if job.parts.is_empty() && job.skip != Skip::SegmentList
-                        {
+                        let raster_ms = if job.parts.is_empty() && job.skip != Skip::SegmentList {
                             0.0
                         } else {
                             ms[RASTER as usize]
                         };
+                        times.raster_ms += raster_ms;
                         times.cast_ms += ms[CAST as usize];
+                        *times.gpu_ms.get_or_insert(0.0) += raster_ms + ms[CAST as usize];
                     }
                     None => times.cast_ms = times.frame_ms,
                 }
