@@ -11,7 +11,6 @@ use serde_json::Value;
 const SUITE: &str = r#"
 name = "small"
 repeat = 1
-noise_bound = 1e9
 
 [[scene]]
 name = "thin"

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use hollowcast::measure::compare::settings_on;
+use hollowcast::measure::machine::Machine;
 use hollowcast::measure::statistics::quartiles;
 use hollowcast::measure::suite::{
-    self, AdapterRecord, Contestant, Group, Header, Heat, Machine, PictureRecord, PictureRow,
-    Record, Results, SceneRecord, Shown, Suite, What, Writer,
+    self, AdapterRecord, Contestant, Group, Header, Heat, PictureRecord, PictureRow, Record,
+    Results, SceneRecord, Shown, Suite, What, Writer,
 };
 use hollowcast::measure::truth::Truths;
 use hollowcast::mode::{MODES, Mode};
@@ -124,7 +125,6 @@ pub(super) fn run(args: &Args) -> Result<()> {
                     let heat = Heat {
                         scene: &suite.scenes[scene].name,
                         group: &planned.group,
-                        noise_bound: suite.noise_bound,
                         contestants,
                     };
                     let cases = suite::run(
@@ -211,7 +211,7 @@ fn open(suite: &Suite) -> Result<(Backends, Header)> {
     let mut header = Header {
         suite: suite.name.clone(),
         suite_hash: suite.hash.clone(),
-        machine: Machine::this(),
+        machine: Machine::this().into(),
         adapters: Vec::new(),
         missing: Vec::new(),
     };
@@ -462,12 +462,15 @@ fn summary(args: &Args, results: &Results, known: usize) -> String {
         "{file}: {} cases, {measured} of them measured now\n",
         results.cases.len()
     );
-    let noises: Vec<f64> = results.cases.iter().map(|c| c.noise * 100.0).collect();
+    let noises: Vec<f64> = results
+        .cases
+        .iter()
+        .filter_map(|c| Some(c.noise? * 100.0))
+        .collect();
     if !noises.is_empty() {
         let noise = quartiles(&noises);
-        let most = noises.iter().copied().fold(0.0, f64::max);
         text += &format!(
-            "noise (half the quartiles' distance over the median): {:.1} %, a quarter of the cases above {:.1} %, at most {most:.1} %\n",
+            "noise: medians are good to {:.1} % (standard error), a quarter of them not to {:.1} %\n",
             noise.median, noise.q3
         );
     }

@@ -18,15 +18,15 @@ pub(super) fn all(model: &Model) -> Vec<Figure> {
     figures
 }
 
-/// Median noise of these cases, in words.
+/// How far the times of these cases can be trusted, in words.
 pub(super) fn noise(cases: &[Case]) -> String {
-    let noises: Vec<f64> = cases.iter().map(|c| c.record.noise).collect();
+    let noises: Vec<f64> = cases.iter().filter_map(|c| c.record.noise).collect();
     if noises.is_empty() {
-        return String::new();
+        return "Noise of the times: unknown, of fewer than three runs each.".to_owned();
     }
     let most = noises.iter().copied().fold(0.0, f64::max);
     format!(
-        "Noise of the times (half the quartiles' distance over the median): {} % in the middle, {} % at most.",
+        "Noise: medians are good to {} % (standard error), the worst to {} %.",
         percent(median(&noises)),
         percent(most)
     )

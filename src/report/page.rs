@@ -94,23 +94,18 @@ fn charts(id: &str, title: &str, figures: &[&Figure]) -> Markup {
 fn header(results: &Results, place: usize, of: usize) -> Markup {
     let header = &results.header;
     let machine = &header.machine;
-    let crates: Vec<String> = machine
-        .crates
-        .iter()
-        .map(|(name, version)| format!("{name} {version}"))
-        .collect();
     html! {
         dl {
             @if of > 1 { dt { "results" } dd { (place + 1) } }
             dt { "suite" } dd { (header.suite) " (" (header.suite_hash) "), " (results.cases.len()) " cases" }
-            dt { "machine" } dd { (machine.processor) ", " (machine.cores) " cores, " (machine.system) }
+            dt { "machine" } dd { (machine.cpu) ", " (machine.cores) " threads, " (machine.os) }
             @for adapter in &header.adapters {
                 dt { (adapter.asked) }
                 dd { (adapter.name) " " (adapter.driver) @if adapter.is_software { " (software)" } }
             }
             @for (name, reason) in &header.missing { dt { (name) } dd class="warn" { "left out: " (reason) } }
             dt { "program" }
-            dd { "hollowcast " (machine.version) @if let Some(commit) = &machine.commit { ", commit " (commit) } ", " (crates.join(", ")) }
+            dd { "hollowcast " (machine.hollowcast) @if let Some(commit) = &machine.commit { ", commit " (commit) } @if let Some(wgpu) = &machine.wgpu { ", wgpu " (wgpu) } }
             @for scene in &results.scenes {
                 dt { (scene.name) }
                 dd {

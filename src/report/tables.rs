@@ -391,7 +391,7 @@ pub(super) fn everything(model: &Model) -> Table {
                     short(r.frame_ms.q3)
                 ),
                 short(r.box_ms / r.frame_ms.median),
-                percent(r.noise),
+                r.noise.map_or(NONE.to_owned(), percent),
                 short(r.samples),
                 short(r.contributing),
                 short(r.skip_steps),

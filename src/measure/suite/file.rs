@@ -16,10 +16,6 @@ pub struct Suite {
     /// Timed runs of each case in each view, where a sweep does not say.
     #[serde(default = "three")]
     pub repeat: u32,
-    /// Noise (half the distance of the quartiles over the median, the median of a group's cases) above which a group of
-    /// cases is run once more.
-    #[serde(default = "noise_bound")]
-    pub noise_bound: f64,
     /// What is drawn.
     #[serde(rename = "scene")]
     pub scenes: Vec<SceneRow>,
@@ -138,9 +134,6 @@ fn three() -> u32 {
 fn one() -> u32 {
     1
 }
-fn noise_bound() -> f64 {
-    0.1
-}
 fn translucent() -> String {
     "translucent".to_owned()
 }
@@ -203,9 +196,6 @@ impl Suite {
     }
 
     fn check(&self) -> Result<()> {
-        if !(self.noise_bound > 0.0 && self.noise_bound.is_finite()) {
-            return Err(Error::setting("noise_bound", "expected a number above 0"));
-        }
         at_least_one("repeat", self.repeat > 0)?;
         at_least_one("scene", !self.scenes.is_empty())?;
         at_least_one("sweep", !self.sweeps.is_empty())?;

@@ -4,7 +4,6 @@
 
 mod case;
 mod file;
-mod machine;
 mod pictures;
 mod record;
 mod results;
@@ -12,10 +11,10 @@ mod runner;
 
 pub use case::{Case, Group};
 pub use file::{Paper, PictureRow, SceneRow, Suite, Sweep};
-pub use machine::Machine;
 pub use pictures::{Shown, pictures};
 pub use record::{
-    AdapterRecord, CaseRecord, ErrorRecord, Header, PictureRecord, Record, SceneRecord, What,
+    AdapterRecord, CaseRecord, ErrorRecord, Header, MachineRecord, PictureRecord, Record,
+    SceneRecord, What,
 };
 pub use results::{Results, Writer};
 pub use runner::{Contestant, Heat, run};

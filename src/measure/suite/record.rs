@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::file::Paper;
-use super::machine::Machine;
+use crate::measure::machine::Machine;
 use crate::measure::statistics::Quartiles;
 use crate::render::BackendInfo;
 
@@ -29,11 +29,41 @@ pub struct Header {
     /// Names the content of its file.
     pub suite_hash: String,
     /// Processor, system, versions and commit.
-    pub machine: Machine,
+    pub machine: MachineRecord,
     /// The backends that there are.
     pub adapters: Vec<AdapterRecord>,
     /// Backends that the suite asks for and that are not here, with the reason.
     pub missing: Vec<(String, String)>,
+}
+
+/// A machine and a program, as [`Machine`] has them.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct MachineRecord {
+    /// The processor's model.
+    pub cpu: String,
+    /// Threads that run at once.
+    pub cores: usize,
+    /// The operating system.
+    pub os: String,
+    /// This crate's version.
+    pub hollowcast: String,
+    /// wgpu's.
+    pub wgpu: Option<String>,
+    /// The commit that the program was built from.
+    pub commit: Option<String>,
+}
+
+impl From<Machine> for MachineRecord {
+    fn from(machine: Machine) -> Self {
+        Self {
+            cpu: machine.cpu,
+            cores: machine.cores,
+            os: machine.os.to_owned(),
+            hollowcast: machine.hollowcast.to_owned(),
+            wgpu: machine.wgpu.map(str::to_owned),
+            commit: machine.commit.map(str::to_owned),
+        }
+    }
 }
 
 /// A backend.
@@ -120,7 +150,7 @@ pub struct CaseRecord {
     pub size: [u32; 2],
     /// Views.
     pub views: usize,
-    /// Timed runs of each view.
+    /// Timed runs of the first view, those included that noise made run again.
     pub runs: usize,
     /// A frame after the structures stand, without read-back.
     pub frame_ms: Quartiles,
@@ -128,10 +158,11 @@ pub struct CaseRecord {
     pub raster_ms: f64,
     /// Of it, marching them.
     pub cast_ms: f64,
-    /// Half the distance of the quartiles over the median, the mean of the views.
-    pub noise: f64,
-    /// Whether the group was run twice, since the first time was too noisy.
-    pub was_rerun: bool,
+    /// What the adapter's own clock tells of a frame, where it has one.
+    pub gpu_ms: Option<f64>,
+    /// The standard error of the median frame time over it ([`crate::measure::statistics::noise`]), the mean of the views;
+    /// `None` of fewer than three runs.
+    pub noise: Option<f64>,
     /// Fetching a picture.
     pub read_back_ms: f64,
     /// Box's `frame_ms` with the same settings, measured in turns with this case.

@@ -177,20 +177,20 @@ fn check_same(path: &Path, old: &Header, new: &Header) -> Result<()> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::machine::Machine;
+    use super::super::record::MachineRecord;
     use super::*;
 
     fn header(suite: &str) -> Header {
         Header {
             suite: suite.to_owned(),
             suite_hash: "0".to_owned(),
-            machine: Machine {
-                processor: "p".to_owned(),
+            machine: MachineRecord {
+                cpu: "p".to_owned(),
                 cores: 2,
-                system: "s".to_owned(),
-                version: "v".to_owned(),
+                os: "s".to_owned(),
+                hollowcast: "v".to_owned(),
+                wgpu: None,
                 commit: None,
-                crates: std::collections::BTreeMap::new(),
             },
             adapters: Vec::new(),
             missing: Vec::new(),

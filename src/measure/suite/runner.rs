@@ -5,7 +5,7 @@ use super::record::{CaseRecord, ErrorRecord};
 use crate::error::Result;
 use crate::measure::metrics::{metrics, perceived};
 use crate::measure::race::{Entrant, Outcome, race};
-use crate::measure::statistics::{Quartiles, median, quartiles};
+use crate::measure::statistics::noise;
 use crate::measure::truth::{Truth, Truths};
 use crate::render::{Choice, FrameTimes, MethodChoice, Renderer, Settings};
 use crate::skip::Skip;
@@ -30,8 +30,6 @@ pub struct Heat<'a> {
     pub scene: &'a str,
     /// What the cases share.
     pub group: &'a Group,
-    /// Noise above which the cases are run once more.
-    pub noise_bound: f64,
     /// Who takes part.
     pub contestants: Vec<Contestant>,
 }
@@ -54,14 +52,7 @@ pub fn run(
     let truth = heat.truth(truths)?;
     let entrants = heat.entrants();
     let rounds = heat.group.repeat as usize;
-    let mut outcomes = race(renderers, &entrants, rounds, &mut |f| progress(0.9 * f))?;
-    let was_rerun = noise_of(&outcomes) > heat.noise_bound;
-    if was_rerun {
-        let again = race(renderers, &entrants, rounds, &mut |f| progress(0.9 * f))?;
-        if noise_of(&again) < noise_of(&outcomes) {
-            outcomes = again;
-        }
-    }
+    let outcomes = race(renderers, &entrants, rounds, &mut |f| progress(0.9 * f))?;
     let mut records = Vec::new();
     for (contestant, outcome) in heat.contestants.iter().zip(&outcomes) {
         let base = entrants
@@ -75,7 +66,6 @@ pub fn run(
         };
         records.push(CaseRecord {
             box_ms: outcomes[base].mean(|t| t.frame_ms),
-            was_rerun,
             error,
             ..heat.record(contestant, outcome, renderer.info().backend)
         });
@@ -145,12 +135,12 @@ impl Heat<'_> {
             ert: group.ert.clone(),
             size: settings.size,
             views: views.len(),
-            runs: group.repeat as usize,
-            frame_ms: mean_quartiles(outcome),
+            runs: outcome.runs[0].len(),
+            frame_ms: outcome.quartiles(|t| t.frame_ms),
             raster_ms: outcome.mean(|t| t.raster_ms),
             cast_ms: outcome.mean(|t| t.cast_ms),
-            noise: noise(outcome),
-            was_rerun: false,
+            gpu_ms: outcome.gpu_ms(),
+            noise: noise_of(outcome),
             read_back_ms: outcome.read_back_ms,
             box_ms: f64::NAN,
             preprocess_ms: outcome.preparation.preprocess_ms,
@@ -170,33 +160,13 @@ fn is_box(entrant: &Entrant) -> bool {
     entrant.views.iter().all(|s| s.skip == Skip::Box)
 }
 
-fn quartiles_of_view(runs: &[FrameTimes]) -> Quartiles {
-    quartiles(&runs.iter().map(|t| t.frame_ms).collect::<Vec<_>>())
-}
-
-fn mean_quartiles(outcome: &Outcome) -> Quartiles {
-    let of_views: Vec<Quartiles> = outcome.runs.iter().map(|r| quartiles_of_view(r)).collect();
-    let mean = |number: fn(&Quartiles) -> f64| {
-        of_views.iter().map(number).sum::<f64>() / of_views.len() as f64
-    };
-    Quartiles {
-        q1: mean(|q| q.q1),
-        median: mean(|q| q.median),
-        q3: mean(|q| q.q3),
-    }
-}
-
-/// Half the distance of the quartiles over the median, the mean of the views.
-fn noise(outcome: &Outcome) -> f64 {
-    let views = outcome.runs.iter().map(|runs| {
-        let Quartiles { q1, median, q3 } = quartiles_of_view(runs);
-        (q3 - q1) / (2.0 * median)
-    });
-    views.sum::<f64>() / outcome.runs.len() as f64
-}
-
-fn noise_of(outcomes: &[Outcome]) -> f64 {
-    median(&outcomes.iter().map(noise).collect::<Vec<_>>())
+/// The mean of the views' noise.
+fn noise_of(outcome: &Outcome) -> Option<f64> {
+    let of_view =
+        |runs: &Vec<FrameTimes>| noise(&runs.iter().map(|t| t.frame_ms).collect::<Vec<_>>());
+    let of_views: Option<Vec<f64>> = outcome.runs.iter().map(of_view).collect();
+    let of_views = of_views?;
+    Some(of_views.iter().sum::<f64>() / of_views.len() as f64)
 }
 
 /// How far a picture with these settings is from the truth.
