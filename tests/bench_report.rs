@@ -160,7 +160,7 @@ fn stopped_runs_go_on(folder: &Path) {
     );
     assert_eq!(commands(folder), before);
     assert_eq!(records(folder, "scene").len(), 1);
-    assert_eq!(records(folder, "picture").len(), 7);
+    assert_eq!(records(folder, "pictures").len(), 1);
 }
 
 fn others_are_refused(folder: &Path) {

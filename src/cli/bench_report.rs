@@ -13,7 +13,7 @@ Examples:
 
 The page is one file that needs no network: charts of error over time with their Pareto fronts, the published tables beside
 what was measured, pictures, and under each number the command that measures it again. --charts writes its charts as SVG and
-PNG files too.";
+PNG files too, and its pictures.";
 
 /// Makes a page of measured results.
 #[derive(Debug, clap::Args)]
@@ -27,7 +27,7 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
     output: PathBuf,
 
-    /// A folder for the charts as SVG and PNG files
+    /// A folder for the charts as SVG and PNG files, and the pictures
     #[arg(long, value_name = "DIR")]
     charts: Option<PathBuf>,
 }
@@ -45,7 +45,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let figures = report::write(&results, &args.output)?;
     let mut told = format!("{}\n", args.output.display());
     if let Some(folder) = &args.charts {
-        for path in report::write_charts(&figures, folder)? {
+        let mut paths = report::write_charts(&figures, folder)?;
+        paths.extend(report::write_pictures(&results, folder)?);
+        for path in paths {
             told += &format!("{}\n", path.display());
         }
     }

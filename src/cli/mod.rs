@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand; arguments that several take in files of their own.
 
 mod bench;
+mod bench_pictures;
 mod bench_report;
 mod camera;
 mod clip_args;

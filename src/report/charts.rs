@@ -399,7 +399,7 @@ fn work(model: &Model) -> Option<Figure> {
 }
 
 /// A key as a part of a file's name.
-fn file_name(key: &str) -> String {
+pub(super) fn file_name(key: &str) -> String {
     let plain = |c: char| {
         if c.is_ascii_alphanumeric() || c == '-' || c == '.' {
             c

@@ -1,10 +1,17 @@
-//! The charts as SVG and PNG files.
+//! The charts as SVG and PNG files, and the pictures as they are.
 
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use super::charts::file_name;
 use super::figure::{Figure, Series};
 use crate::error::{Error, Result};
+use crate::measure::suite::{PictureRecord, Results, What};
 use crate::output::chart::{Chart, Line, Panel};
+use crate::output::write_atomically;
 
 /// Writes every chart into a folder, which is made if it is missing; gives the files.
 ///
@@ -20,6 +27,35 @@ pub fn write_charts(figures: &[Figure], folder: &Path) -> Result<Vec<PathBuf>> {
             chart.write(&path)?;
             paths.push(path);
         }
+    }
+    Ok(paths)
+}
+
+/// Writes every picture into a folder that is there; gives the files.
+///
+/// # Errors
+/// [`Error::Io`]; [`Error::File`] where the results hold no picture in its place.
+pub fn write_pictures(results: &[Results], folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut paths = Vec::new();
+    for picture in results.iter().flat_map(|r| &r.pictures) {
+        let what = match picture.what {
+            What::Picture => "picture",
+            What::Difference => "difference",
+            What::Samples => "samples",
+        };
+        let PictureRecord {
+            scene,
+            backend,
+            step,
+            method,
+            ..
+        } = picture;
+        let name = format!("{what}-{scene}-{backend}-{step}-{method}");
+        let path = folder.join(format!("{}.png", file_name(&name)));
+        let bytes = STANDARD.decode(&picture.png);
+        let bytes = bytes.map_err(|e| Error::file(&path, "picture", e.to_string()))?;
+        write_atomically(&path, |file| file.write_all(&bytes))?;
+        paths.push(path);
     }
     Ok(paths)
 }

@@ -13,7 +13,7 @@ mod tables;
 use std::io::Write as _;
 use std::path::Path;
 
-pub use files::write_charts;
+pub use files::{write_charts, write_pictures};
 
 use self::figure::Figure;
 use self::model::Model;

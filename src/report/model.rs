@@ -129,8 +129,17 @@ impl Case<'_> {
             x,
             y,
             label: self.label(),
-            command: self.record.command.clone(),
+            command: self.commands().join("\n"),
         }
+    }
+
+    /// What measures it again: its time, then its error.
+    pub(super) fn commands(&self) -> Vec<String> {
+        let of_error = self.record.error.as_ref().and_then(|e| e.command.clone());
+        [Some(self.record.command.clone()), of_error]
+            .into_iter()
+            .flatten()
+            .collect()
     }
 
     /// Median frame time in ms.

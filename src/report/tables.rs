@@ -406,7 +406,7 @@ pub(super) fn everything(model: &Model) -> Table {
                 error(&|e| or_none(e.flip)),
             ],
             is_published: false,
-            commands: vec![r.command.clone()],
+            commands: case.commands(),
         }
     });
     Table {

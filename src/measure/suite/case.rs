@@ -1,6 +1,6 @@
 //! Cases: what a suite's sweeps come to, one command each.
 
-use super::file::{Suite, Sweep};
+use super::file::{SceneRow, Suite, Sweep};
 use crate::mode::MODES;
 use crate::render::{BackendChoice, DEFAULT_BLOCK, MethodChoice};
 use crate::sample::Sampler;
@@ -46,22 +46,10 @@ impl Group {
     /// The words of `hollowcast compare` that measure a case of this group again, the volume being `volume`.
     pub fn words(&self, case: &Case, suite: &Suite, volume: &str) -> Vec<String> {
         let scene = &suite.scenes[self.scene];
-        let mut words = vec![volume.to_owned(), "--tf".to_owned(), scene.tf.clone()];
-        words.extend(scene.flags.iter().cloned());
+        let mut words = scene.words(volume);
+        self.add_words(&mut words, &self.size);
         let mut flag = |name: &str, value: &str| words.extend([name.to_owned(), value.to_owned()]);
-        if let Some(camera) = &scene.camera {
-            flag("--camera", camera);
-        }
         flag("--views", &scene.views.to_string());
-        flag("--size", &self.size);
-        if self.mode != MODES[0].name {
-            flag("--mode", &self.mode);
-        }
-        flag("--sampler", &self.sampler);
-        if let Some(classification) = &self.classification {
-            flag("--classify", classification);
-        }
-        flag("--ert", &self.ert);
         flag("--steps", &self.step);
         flag("--backends", &case.backend);
         flag("--methods", &case.method);
@@ -73,6 +61,34 @@ impl Group {
             flag("--reference-size", &self.truth.to_string());
         }
         words
+    }
+
+    /// The words of `hollowcast truth` that measure a case's error again, if it is measured and the case's method is lossless:
+    /// the command draws by box.
+    pub fn truth_words(&self, case: &Case, suite: &Suite, volume: &str) -> Option<Vec<String>> {
+        let is_lossy = Skip::from_name(&case.method).is_some_and(|skip| !skip.method().lossless);
+        if self.truth == 0 || is_lossy {
+            return None;
+        }
+        let mut words = suite.scenes[self.scene].words(volume);
+        self.add_words(&mut words, &self.truth.to_string());
+        let more = ["--step", &self.step, "--against", &case.backend];
+        words.extend(more.map(str::to_owned));
+        Some(words)
+    }
+
+    /// Adds the flags of what the group shares, whose pictures are of this size.
+    fn add_words(&self, words: &mut Vec<String>, size: &str) {
+        let mut flag = |name: &str, value: &str| words.extend([name.to_owned(), value.to_owned()]);
+        flag("--size", size);
+        if self.mode != MODES[0].name {
+            flag("--mode", &self.mode);
+        }
+        flag("--sampler", &self.sampler);
+        if let Some(classification) = &self.classification {
+            flag("--classify", classification);
+        }
+        flag("--ert", &self.ert);
     }
 
     /// The work of this group in no unit, for estimates of what is left.
@@ -98,6 +114,18 @@ impl Group {
             ..group.clone()
         };
         alone(self) == alone(other)
+    }
+}
+
+impl SceneRow {
+    /// The words that every command about this scene begins with, the volume being `volume`.
+    pub fn words(&self, volume: &str) -> Vec<String> {
+        let mut words = vec![volume.to_owned(), "--tf".to_owned(), self.tf.clone()];
+        words.extend(self.flags.iter().cloned());
+        if let Some(camera) = &self.camera {
+            words.extend(["--camera".to_owned(), camera.clone()]);
+        }
+        words
     }
 }
 
@@ -268,7 +296,7 @@ steps = ["0.5"]
             .join(" ");
         assert_eq!(
             words,
-            "phantom:sphere:16 --tf translucent --views 1 --size 512x512 --sampler exact --ert 0.98 --steps 0.5 \
+            "phantom:sphere:16 --tf translucent --size 512x512 --sampler exact --ert 0.98 --views 1 --steps 0.5 \
              --backends cpu --methods hull --blocks 4 --repeat 3 --reference-views 0"
         );
     }

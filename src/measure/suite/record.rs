@@ -17,8 +17,11 @@ pub enum Record {
     Scene(SceneRecord),
     /// A measured case.
     Case(Box<CaseRecord>),
-    /// For the report.
-    Picture(PictureRecord),
+    /// For the report: a row, whole or not at all.
+    Pictures {
+        /// The row.
+        pictures: Vec<PictureRecord>,
+    },
 }
 
 /// What was measured, and on what.
@@ -190,6 +193,8 @@ pub struct CaseRecord {
 /// How far a picture is from the truth: see [`crate::measure::metrics`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorRecord {
+    /// The command that measures it again, of lossless methods.
+    pub command: Option<String>,
     /// Width and height of the picture that was held against the truth.
     pub size: [u32; 2],
     /// Largest difference of any channel.

@@ -53,7 +53,7 @@ impl Results {
                 (_, None) => return Err(bad("expected the header of a results file")),
                 (Record::Scene(scene), Some(results)) => results.scenes.push(scene),
                 (Record::Case(case), Some(results)) => results.cases.push(*case),
-                (Record::Picture(picture), Some(results)) => results.pictures.push(picture),
+                (Record::Pictures { pictures }, Some(results)) => results.pictures.extend(pictures),
             }
         }
         Ok(results)
