@@ -7,6 +7,7 @@ use super::model::{Case, Model};
 use super::number::{percent, short};
 use super::papers::REAL_TIME_MS;
 use crate::measure::statistics::{line_through, median};
+use crate::measure::suite::CaseRecord;
 
 /// All charts for which something was measured.
 pub(super) fn all(model: &Model) -> Vec<Figure> {
@@ -118,7 +119,7 @@ fn paretos(model: &Model) -> Vec<Figure> {
                 x: Axis::log("ms a frame"),
                 y: Axis::log("RMS error"),
                 levels: levels(&cases),
-                series: series(cases.iter().copied(), ms, rms),
+                series: by_step(series(cases.iter().copied(), ms, rms)),
                 front: Vec::new(),
             }
             .with_front(),
@@ -129,6 +130,14 @@ fn paretos(model: &Model) -> Vec<Figure> {
         figures.insert(0, over_all(&measured));
     }
     figures
+}
+
+/// Points joined from step to step: where the step decides the error, in the order of errors.
+fn by_step(mut all: Vec<Series>) -> Vec<Series> {
+    for series in &mut all {
+        series.points.sort_by(|a, b| a.y.total_cmp(&b.y));
+    }
+    all
 }
 
 /// The errors of box, by kind and step, as far as their names have room.
@@ -196,9 +205,6 @@ fn over_all(measured: &[Vec<Case>]) -> Figure {
             }),
         }
     }
-    for series in &mut all {
-        series.points.sort_by(|a, b| a.x.total_cmp(&b.x));
-    }
     let every: Vec<Case> = measured.iter().flatten().copied().collect();
     Figure {
         id: "pareto".to_owned(),
@@ -206,7 +212,7 @@ fn over_all(measured: &[Vec<Case>]) -> Figure {
         note: format!("Geometric means over the scenes. {}", noise(&every)),
         x: Axis::log("ms a frame"),
         y: Axis::log("RMS error"),
-        series: all,
+        series: by_step(all),
         front: Vec::new(),
         levels: Vec::new(),
     }
@@ -273,7 +279,7 @@ fn exponents(series: &[Series]) -> String {
 fn volume_size(model: &Model) -> Vec<Figure> {
     let groups = by(model.usual().filter(|c| c.scene.family.is_some()), |c| {
         let family = c.scene.family.as_deref().unwrap_or_default();
-        format!("{family}-{}", c.record.step)
+        format!("{family}-{}-{}", c.record.step, c.record.ert)
     });
     let mut figures = Vec::new();
     for (key, cases) in groups {
@@ -284,7 +290,11 @@ fn volume_size(model: &Model) -> Vec<Figure> {
         let series = series(cases.iter().copied(), voxels_an_axis, ms);
         figures.push(Figure {
             id: format!("volume-size-{}", file_name(&key)),
-            title: format!("Frame time over volume size: {}", key.replace('-', ", step ")),
+            title: format!(
+                "Frame time over volume size: {}, step {}",
+                cases[0].scene.family.as_deref().unwrap_or_default(),
+                cases[0].record.step
+            ),
             note: format!(
                 "Beside figure 4 of the paper on standard accelerators, which draws such curves for a VolumePro 1000 and four \
                  graphics cards without giving numbers: it finds the board's growth linear and that of the cards quadratic, \
@@ -304,7 +314,7 @@ fn volume_size(model: &Model) -> Vec<Figure> {
 
 fn image_size(model: &Model) -> Vec<Figure> {
     let groups = by(model.usual(), |c| {
-        format!("{}-{}", c.scene.name, c.record.step)
+        format!("{}-{}-{}", c.scene.name, c.record.step, c.record.ert)
     });
     let mut figures = Vec::new();
     for (key, cases) in groups {
@@ -333,7 +343,10 @@ fn image_size(model: &Model) -> Vec<Figure> {
 fn blocks(model: &Model) -> Vec<Figure> {
     let has_blocks = |c: &Case| c.record.structure_bytes > 0 && c.record.method != "auto";
     let groups = by(model.usual().filter(has_blocks), |c| {
-        format!("{}-{}-{}", c.scene.name, c.record.step, c.record.size[0])
+        format!(
+            "{}-{}-{}-{}",
+            c.scene.name, c.record.step, c.record.size[0], c.record.ert
+        )
     });
     let block = |c: &Case| c.record.block as f64;
     let mut figures = Vec::new();
@@ -351,7 +364,14 @@ fn blocks(model: &Model) -> Vec<Figure> {
         if cases.is_empty() {
             continue;
         }
-        let of = format!("{}, step {}", cases[0].scene.title, cases[0].record.step);
+        let CaseRecord {
+            step, size, ert, ..
+        } = cases[0].record;
+        let [width, height] = size;
+        let of = format!(
+            "{}, step {step}, {width}x{height}, ERT {ert}",
+            cases[0].scene.title
+        );
         let figure = |id: &str, title: &str, label: &str, y: fn(&Case) -> f64| Figure {
             id: format!("{id}-{}", file_name(&key)),
             title: format!("{title}: {of}"),

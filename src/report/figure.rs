@@ -166,6 +166,10 @@ impl Scale {
 }
 
 fn log_ticks(low: f64, high: f64) -> Vec<(f64, String)> {
+    if high - low < 0.7 {
+        let [low, high] = [low, high].map(|x| 10.0f64.powf(x));
+        return linear_ticks(low, high);
+    }
     let factors: &[f64] = match high - low {
         span if span > 3.5 => &[1.0],
         span if span > 1.2 => &[1.0, 3.0],
