@@ -221,7 +221,7 @@ fn the_page_holds_all_and_is_escaped(folder: &Path) {
     }
     for file in told.lines().skip(1) {
         assert!(
-            fs::metadata(folder.join(file)).unwrap().len() > 1000,
+            fs::metadata(folder.join(file)).unwrap().len() > 100,
             "{file}"
         );
     }

@@ -1,31 +1,17 @@
-//! A profile that was tuned for an error on one set of views keeps it on others.
-//!
-//! Tried on the two scans that ship with the project, and on two of the folder in `HOLLOWCAST_DATA` where it is named; ignored
-//! unless asked for, since it takes minutes: `cargo test --test budgets -- --ignored --nocapture`.
+//! Tuning for a budget, and the truth that it is measured against.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-use glam::DVec3;
-use hollowcast::camera::{Camera, Orbit};
+use hollowcast::camera::Orbit;
 use hollowcast::measure::budget::{self, Budget};
-use hollowcast::measure::errors::seen_from;
-use hollowcast::measure::metrics::metrics;
 use hollowcast::measure::truth::Truths;
 use hollowcast::measure::tune;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::transfer::TransferFunction;
-use hollowcast::volume::{self, Statistics, Volume, phantom};
-
-const LIMIT: f64 = 0.004;
-/// Other views, and how many of them must keep the limit.
-const VIEWS: u64 = 50;
-const KEPT: u64 = 48;
-const SIZE: [u32; 2] = [64, 64];
+use hollowcast::volume::{Statistics, Volume, phantom};
 
 struct Scene {
-    volume: Arc<Volume>,
-    transfer: TransferFunction,
     settings: Settings,
     renderer: Renderer,
     truths: Truths,
@@ -40,11 +26,9 @@ fn scene(volume: Volume) -> Scene {
     Scene {
         truths: Truths::new(&volume, &transfer).unwrap().kept_in(None),
         settings: Settings {
-            size: SIZE,
+            size: [24, 24],
             ..Settings::new(Orbit::default().camera(volume.extent()))
         },
-        volume,
-        transfer,
         renderer,
     }
 }
@@ -64,103 +48,9 @@ fn plan(scene: &Scene, budget: Budget, error_views: usize) -> budget::Plan {
     }
 }
 
-/// Directions evenly spread over the sphere, the same again for a seed (xorshift64*, Marsaglia 2003).
-fn random_directions(mut seed: u64) -> impl Iterator<Item = DVec3> {
-    let mut unit = move || {
-        seed ^= seed >> 12;
-        seed ^= seed << 25;
-        seed ^= seed >> 27;
-        (seed.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64
-    };
-    std::iter::repeat_with(move || {
-        let z = 2.0 * unit() - 1.0;
-        let (sin, cos) = (std::f64::consts::TAU * unit()).sin_cos();
-        let radius = (1.0 - z * z).sqrt();
-        DVec3::new(radius * cos, radius * sin, z)
-    })
-}
-
-/// Tunes, and counts on how many of 50 other views the limit is kept.
-fn holds_elsewhere(name: &str, volume: Volume) {
-    let mut scene = scene(volume);
-    let plan = plan(&scene, Budget::MaxError(LIMIT), 24);
-    let renderers = std::slice::from_mut(&mut scene.renderer);
-    let found = budget::search(renderers, &mut scene.truths, &plan, &mut |_| ()).unwrap();
-    let cameras: Vec<Camera> = random_directions(0x9E37_79B9_7F4A_7C15)
-        .take(VIEWS as usize)
-        .map(|direction| seen_from(&scene.settings.camera, direction))
-        .collect();
-    let mut errors: Vec<f64> = cameras
-        .iter()
-        .map(|&camera| {
-            let settings = Settings {
-                camera,
-                ..found.accuracy.in_settings(&scene.settings)
-            };
-            let truth = scene.truths.of(&settings, |_| ()).unwrap();
-            let picture = scene.renderer.render(&settings).unwrap().picture;
-            metrics([(&picture, &truth)]).max_abs
-        })
-        .collect();
-    errors.sort_by(f64::total_cmp);
-    let kept = errors.iter().filter(|&&e| e <= LIMIT).count() as u64;
-    println!(
-        "{name} {:?}: {}; tuned {:.5}, expected below {:.5} of {} views; others: median {:.5}, largest {:.5}; {kept} of {VIEWS} keep {LIMIT}",
-        scene.volume.dims,
-        found.accuracy.words(),
-        found.error,
-        found.expected,
-        found.views,
-        errors[errors.len() / 2],
-        errors[errors.len() - 1],
-    );
-    assert!(kept >= KEPT, "{name}: {errors:?}");
-}
-
-fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("data")
-        .join(name)
-}
-
-fn of_data_folder(name: &str) {
-    let folder =
-        std::env::var_os("HOLLOWCAST_DATA").expect("HOLLOWCAST_DATA names the folder of scans");
-    let path = Path::new(&folder).join(name);
-    holds_elsewhere(name, volume::open(&path, None).unwrap());
-}
-
-#[test]
-#[ignore = "takes minutes"]
-fn a_shell_tuned_for_an_error_keeps_it_from_other_views() {
-    holds_elsewhere(
-        "shell",
-        volume::open(&shipped("qim3d_shell.nrrd"), None).unwrap(),
-    );
-}
-
-#[test]
-#[ignore = "takes minutes"]
-fn a_stent_tuned_for_an_error_keeps_it_from_other_views() {
-    holds_elsewhere("stent", volume::open(&shipped("stent.nrrd"), None).unwrap());
-}
-
-#[test]
-#[ignore = "takes minutes, and needs HOLLOWCAST_DATA"]
-fn a_teapot_tuned_for_an_error_keeps_it_from_other_views() {
-    of_data_folder("boston_teapot.nrrd");
-}
-
-#[test]
-#[ignore = "takes minutes, and needs HOLLOWCAST_DATA"]
-fn an_engine_tuned_for_an_error_keeps_it_from_other_views() {
-    of_data_folder("engine.nrrd");
-}
-
 #[test]
 fn a_budget_is_kept_or_refused_by_name() {
     let mut scene = scene(phantom::make("pot", [16; 3]).unwrap());
-    scene.settings.size = [24, 24];
     let mut search = |budget, error_views| {
         let plan = plan(&scene, budget, error_views);
         let renderers = std::slice::from_mut(&mut scene.renderer);
@@ -202,6 +92,101 @@ fn a_budget_is_kept_or_refused_by_name() {
             "{error}"
         );
     }
-    assert_eq!(scene.volume.dims, [16; 3]);
-    assert!(!scene.transfer.points().is_empty());
+}
+
+/// The command's exit code and what it printed, with truths kept in a folder of the test's own.
+fn hollowcast(folder: &Path, args: &[&str]) -> (i32, String, String) {
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_hollowcast"))
+        .args(args)
+        .env("XDG_CACHE_HOME", folder)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    let code = output.status.code().unwrap();
+    (code, text(output.stdout), text(output.stderr))
+}
+
+#[test]
+fn the_command_tells_truths_and_draws_with_profiles_that_keep_a_budget() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |args: &str| hollowcast(folder.path(), &args.split(' ').collect::<Vec<_>>());
+    let (code, out, err) = run("truth phantom:pot:16 --size 24 -o t.npy --against cpu --json");
+    assert_eq!((code, err.lines().count()), (0, 0), "{err}");
+    let told: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert!(told["bound"].as_f64().unwrap() <= 1e-4, "{out}");
+    assert_eq!(told["masked_share"], 0.0);
+    let measured = &told["measured"];
+    let error = measured["error"]["max_abs"].as_f64().unwrap();
+    assert!(error > 0.0 && error < 0.1, "{out}");
+    for field in ["psnr_db", "ssim", "flip"] {
+        assert!(measured[field].is_f64(), "{field}: {out}");
+    }
+    assert!(folder.path().join("t.npy").is_file());
+    assert_eq!(
+        std::fs::read_dir(folder.path().join("hollowcast/truth"))
+            .unwrap()
+            .count(),
+        1
+    );
+
+    let tune = "tune phantom:pot:16 --size 24 --views 1 --repeat 1 --blocks 8 --backends cpu --error-views 2 --error-size 24";
+    let (code, out, err) = run(&format!("{tune} --max-error 0.01 -o p.toml --json"));
+    assert_eq!(code, 0, "{err}");
+    let told: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert!(told["error"].as_f64().unwrap() <= 0.01, "{out}");
+    assert!(told["machine"]["cores"].as_u64().unwrap() > 0, "{out}");
+    let (code, out, err) =
+        run("render phantom:pot:16 --size 24 --profile p.toml -o p.npy --explain --json");
+    assert_eq!(code, 0, "{err}");
+    let drawn: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(drawn["step_voxels"], told["step_voxels"]);
+    assert_eq!(drawn["ert"], told["ert"]);
+    assert!(
+        drawn["explained"]["step_estimate"]["max_abs"].is_f64(),
+        "{out}"
+    );
+    let (_, out, _) =
+        run("render phantom:pot:16 --size 24 --profile p.toml --ert 0.5 --step 1 -o p.npy --json");
+    let drawn: serde_json::Value = serde_json::from_str(&out).unwrap();
+    assert_eq!(
+        (&drawn["ert"], &drawn["step_voxels"]),
+        (&0.5.into(), &1.0.into())
+    );
+    let (code, out, err) =
+        run("render phantom:pot:16 --size 24 --method hull --backend cpu -o p.npy --explain");
+    assert_eq!(code, 0, "{err}");
+    for words in [
+        "method: hull",
+        "no channel is off by more than 0.0200 (proven",
+        "step of 0.5 voxels: off by about",
+    ] {
+        assert!(out.contains(words), "{words:?} is not in {out}");
+    }
+
+    for (args, named) in [
+        (
+            format!("{tune} --max-error 1e-9"),
+            "max-error: nothing stays inside",
+        ),
+        (
+            format!("{tune} --max-error 0.01 --psnr 40"),
+            "cannot be used with",
+        ),
+        (
+            format!("{tune} --budget-ms -3"),
+            "budget-ms: must be a positive number",
+        ),
+        ("truth phantom:pot:16".to_owned(), "output: name a file"),
+        (
+            "truth phantom:pot:16 -o t.jpg".to_owned(),
+            "no picture format of that name",
+        ),
+    ] {
+        let (code, _, err) = run(&args);
+        assert!(
+            code == 2 && err.contains(named) && err.lines().count() == 1,
+            "{args}: {err}"
+        );
+    }
 }

@@ -381,6 +381,9 @@ fn a_comparison_has_a_row_for_everything_that_was_asked_for() {
         "raster_ms",
         "cast_ms",
         "frame_ms",
+        "frame_q1_ms",
+        "frame_q3_ms",
+        "gpu_ms",
         "read_back_ms",
         "speedup_vs_box",
         "samples_per_pixel",
@@ -389,6 +392,7 @@ fn a_comparison_has_a_row_for_everything_that_was_asked_for() {
         "structure_bytes",
         "differing_pixels_vs_box",
         "max_abs_diff_vs_box",
+        "max_abs_diff_vs_reference",
         "psnr_vs_reference_db",
     ];
     keys.sort_unstable();

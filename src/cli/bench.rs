@@ -48,7 +48,7 @@ pub(super) struct Args {
     #[arg(short, long, value_name = "FILE", default_value = "results.jsonl")]
     output: PathBuf,
 
-    /// The folder of volumes that do not ship with the program [default: what HOLLOWCAST_DATA names]
+    /// The folder of volumes that do not ship with the program [default: that of the variable `HOLLOWCAST_DATA`]
     #[arg(long, value_name = "FOLDER")]
     data: Option<PathBuf>,
 }
@@ -337,21 +337,22 @@ pub(super) fn settings(
 fn summary(file: &Path, results: &Results, known: usize) -> String {
     let file = file.display();
     let measured = results.cases.len() - known;
-    let mut text = format!(
-        "{file}: {} cases, {measured} of them measured now\n",
-        results.cases.len()
-    );
+    let all = results.cases.len();
     let noises: Vec<f64> = results
         .cases
         .iter()
         .filter_map(|c| Some(c.noise? * 100.0))
         .collect();
-    if !noises.is_empty() {
+    let noise = if noises.is_empty() {
+        "unknown, of fewer than three runs each".to_owned()
+    } else {
         let noise = quartiles(&noises);
-        text += &format!(
-            "noise: medians are good to {:.1} % (standard error), a quarter of them not to {:.1} %\n",
+        format!(
+            "medians are good to {:.1} % (standard error), a quarter of them not to {:.1} %",
             noise.median, noise.q3
-        );
-    }
-    text + &format!("hollowcast report {file} -o report.html makes a page of it\n")
+        )
+    };
+    format!(
+        "{file}: {all} cases, {measured} of them measured now\nnoise: {noise}\nhollowcast report {file} -o report.html makes a page of it\n"
+    )
 }

@@ -43,13 +43,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let results = args.results.iter().map(|path| Results::read(path));
     let results = results.collect::<Result<Vec<_>>>()?;
     let figures = report::write(&results, &args.output)?;
-    let mut told = format!("{}\n", args.output.display());
+    let mut files = vec![args.output.clone()];
     if let Some(folder) = &args.charts {
-        let mut paths = report::write_charts(&figures, folder)?;
-        paths.extend(report::write_pictures(&results, folder)?);
-        for path in paths {
-            told += &format!("{}\n", path.display());
-        }
+        files.extend(report::write_charts(&figures, folder)?);
+        files.extend(report::write_pictures(&results, folder)?);
     }
-    super::print(&told)
+    let lines: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+    super::print(&(lines.join("\n") + "\n"))
 }

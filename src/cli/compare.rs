@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use hollowcast::Result;
 use hollowcast::lattice::Clipping;
-use hollowcast::measure::compare::{Comparison, Plan, ReferencePlan, Row, compare};
+use hollowcast::measure::compare::{Against, Comparison, Plan, ReferencePlan, Row, compare};
 use hollowcast::measure::machine::Machine;
 use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Renderer};
@@ -24,12 +24,14 @@ Examples:
   hollowcast compare scan.nrrd
   hollowcast compare scan.nrrd --methods box,hull,half-split,auto --steps 0.002u,0.005u,0.01u --json
   hollowcast compare teapot.nrrd --pad-cube --tf ramp:40:255:0.3 --blocks 4,8,16
+  hollowcast compare scan.nrrd --against truth --steps 0.25,0.5,1
   hollowcast compare phantom:noise:128 --backends cpu,gpu --size 256 --repeat 5
 
 Every method draws every view, in interleaved runs (A B C, A B C, ...); a view's time is the median of its runs, a row's
 the mean over its views. frame_ms is a frame after the structures stand, without read-back (read_back_ms). Counters and
-pictures come from separate, untimed runs. psnr_vs_reference_db holds a smaller picture, without early termination, against
-the f64 reference: null where it is equal or was not measured.";
+pictures come from separate, untimed runs. psnr_vs_reference_db holds a smaller picture against the f64 reference at the same
+step, without early termination, or, --against truth, the picture as it is against what it tends to: null where it is equal
+or was not measured.";
 
 /// Compares methods with bounding-box casting over an orbit of views.
 #[derive(Debug, clap::Args)]
@@ -70,7 +72,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..), help_heading = "Comparison")]
     repeat: u32,
 
-    /// Views that are held against the f64 reference; 0: none
+    /// What some views are held against: the f64 reference at the same step, both sides without early termination, or the
+    /// truth (see `hollowcast truth --help`), to which the step goes
+    #[arg(long, default_value = "reference", value_parser = values::named(Against::ALL, Against::name), help_heading = "Comparison")]
+    against: Against,
+
+    /// Views that are held against it; 0: none
     #[arg(
         long,
         value_name = "N",
@@ -79,7 +86,7 @@ pub(super) struct Args {
     )]
     reference_views: usize,
 
-    /// Size of the pictures that are held against the reference
+    /// Size of the pictures that are held against it
     #[arg(long, value_name = "WxH", default_value = "128x128", value_parser = values::size, help_heading = "Comparison")]
     reference_size: [u32; 2],
 
@@ -183,8 +190,12 @@ pub(super) fn heading(
     );
     if plan.reference.views > 0 {
         let [width, height] = plan.reference.size;
+        let against = match plan.reference.against {
+            Against::Reference => "the f64 reference, no early termination",
+            Against::Truth => "the truth",
+        };
         lines.push(format!(
-            "PSNR against the f64 reference: {} of the views at {width}x{height}, no early termination",
+            "PSNR of {} of the views at {width}x{height} against {against}",
             plan.reference.views.min(plan.views.len()),
         ));
     }
@@ -234,6 +245,7 @@ impl Args {
             settings,
             rounds: self.repeat as usize,
             reference: ReferencePlan {
+                against: self.against,
                 views: self.reference_views,
                 size: self.reference_size,
             },

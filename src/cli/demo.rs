@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hollowcast::camera::Orbit;
-use hollowcast::measure::compare::{Plan, ReferencePlan, Row};
+use hollowcast::measure::compare::{Against, Plan, ReferencePlan, Row};
 use hollowcast::output::{self, PngEncoding, heat};
 use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Settings};
 use hollowcast::scene::CountedPicture;
@@ -127,6 +127,7 @@ fn plan(volume: &Volume, size: [u32; 2], methods: &[Skip]) -> Plan {
         views,
         rounds: 3,
         reference: ReferencePlan {
+            against: Against::Reference,
             views: 1,
             size: size.map(|n| n.min(64)),
         },

@@ -20,6 +20,7 @@ mod table;
 mod truth;
 mod tune;
 mod tune_budget;
+mod tune_sweep;
 mod values;
 mod verify;
 mod volume_args;

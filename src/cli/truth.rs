@@ -1,5 +1,6 @@
 //! `hollowcast truth`: a converged picture, to measure others against.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use hollowcast::measure::metrics::{metrics, perceived};
@@ -126,8 +127,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
             "ssim": look.ssim,
             "flip": look.flip,
         });
-        text.push_str(&format!(
-            "{} by {}, step {}: max {:.5}, mean {:.2e}, rms {:.2e}, PSNR {:.1} dB, SSIM {:.5}, FLIP {:.4}, {:.2} % off by over 1/255\n",
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "{} by {}, step {}: max {:.5}, mean {:.2e}, rms {:.2e}, PSNR {:.1} dB, SSIM {:.5}, FLIP {:.4}, {:.2} % off by over 1/255",
             report::adapter_words(renderer.info()),
             Choice::of(&settings).words(),
             step.name,
@@ -138,13 +141,13 @@ pub(super) fn run(args: &Args) -> Result<()> {
             look.ssim,
             look.flip,
             100.0 * error.off_share,
-        ));
+        );
     }
     if args.json {
         return super::print_json(&object);
     }
     if let Some(output) = &args.output {
-        text.push_str(&format!("{}\n", output.display()));
+        let _ = writeln!(text, "{}", output.display());
     }
     super::print(&text)
 }

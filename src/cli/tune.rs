@@ -9,7 +9,7 @@ use hollowcast::measure::machine::Machine;
 use hollowcast::measure::profile::Profile;
 use hollowcast::measure::tune::{Auto, Plan, Row, Tuning, tune};
 use hollowcast::mode::Mode;
-use hollowcast::output::chart::{self, Chart, Line, Panel};
+use hollowcast::output::chart::{self, Chart, Panel};
 use hollowcast::output::write_atomically;
 use hollowcast::render::{BLOCKS, BackendChoice, BackendInfo};
 use hollowcast::skip::Skip;
@@ -21,6 +21,7 @@ use super::compare::ready;
 use super::progress::Progress;
 use super::scene_args::{self, SceneArgs};
 use super::tune_budget::{self, BudgetArgs, ErrorArgs};
+use super::tune_sweep::{in_order_of_the_sweep, lines};
 use super::values::{self, Step};
 use super::volume_args::VolumeArgs;
 use super::{report, table};
@@ -198,7 +199,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     text.push('\n');
     text.push_str(&rows(&tuning.rows));
-    text.push_str(&format!("\n{}\n", tuning.noise.words()));
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "\n{}", tuning.noise.words());
     if let Some(output) = &output {
         text.push_str(&verdict(&tuning, output));
     }
@@ -293,44 +295,6 @@ impl Args {
         };
         chart.write(path)
     }
-}
-
-/// Backend by backend, method by method, small blocks first.
-fn in_order_of_the_sweep(rows: &mut [Row]) {
-    let place = |row: &Row| {
-        let methods = hollowcast::skip::METHODS;
-        methods.iter().position(|m| m.name == row.method)
-    };
-    rows.sort_by_key(|row| (row.backend, place(row), row.block));
-}
-
-/// A line for each method; box, which reads no block, lies level.
-fn lines(rows: &[Row], with_backend: bool, number: fn(&Row) -> f64) -> Vec<Line> {
-    let mut lines: Vec<Line> = Vec::new();
-    let blocks = || {
-        rows.iter()
-            .filter(|r| r.choice.skip != Skip::Box)
-            .map(|r| r.block)
-    };
-    for row in rows {
-        let name = if with_backend {
-            format!("{} {}", row.backend, row.method)
-        } else {
-            row.method.to_owned()
-        };
-        let points = if row.choice.skip == Skip::Box {
-            let ends = [blocks().min(), blocks().max()];
-            let level = |block: Option<usize>| block.map(|b| [b as f64, number(row)]);
-            ends.into_iter().filter_map(level).collect()
-        } else {
-            vec![[row.block as f64, number(row)]]
-        };
-        match lines.iter_mut().find(|line| line.name == name) {
-            Some(line) => line.points.extend(points),
-            None => lines.push(Line { name, points }),
-        }
-    }
-    lines
 }
 
 pub(super) fn rows(rows: &[Row]) -> String {

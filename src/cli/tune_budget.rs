@@ -55,11 +55,11 @@ pub(super) struct BudgetArgs {
 #[derive(Debug, clap::Args)]
 pub(super) struct ErrorArgs {
     /// Views all around that errors are measured on, besides the worst that are found from there
-    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=1000), help_heading = "Budget")]
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=1000), help_heading = "Budget")]
     error_views: u32,
 
     /// Size of the pictures that errors are measured on
-    #[arg(long, value_name = "WxH", default_value = "96x96", value_parser = values::size, help_heading = "Budget")]
+    #[arg(long, value_name = "WxH", default_value = "64x64", value_parser = values::size, help_heading = "Budget")]
     error_size: [u32; 2],
 }
 
@@ -103,7 +103,7 @@ pub(super) fn run(
     let progress = Progress::bar("tuning");
     let mut truths = Truths::new(volume, transfer)?;
     let found = budget::search(renderers, &mut truths, &plan, &mut |done| {
-        progress.set(done)
+        progress.set(done);
     })?;
     drop(progress);
     for (&choice, renderer) in task.backends.iter().zip(renderers.iter()) {

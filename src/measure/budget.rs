@@ -8,6 +8,7 @@
 
 use serde::Serialize;
 
+use super::bounds::ert_bound;
 use super::compare::settings_on;
 use super::errors::{Accuracy, Errors, Measure, Views, all_around};
 use super::race::{Entrant, race};
@@ -91,13 +92,13 @@ pub struct Found {
 
 /// Steps that are tried, in voxels of the smallest spacing: from two voxels down by the root of 2.
 pub fn steps() -> Vec<f64> {
-    (0..=10)
+    (0..=12)
         .map(|i| 2.0 * 0.5_f64.powf(0.5 * f64::from(i)))
         .collect()
 }
 
 /// Thresholds of early termination that are tried.
-pub const THRESHOLDS: [f32; 7] = [0.9, 0.95, 0.98, 0.99, 0.995, 0.998, 1.0];
+pub const THRESHOLDS: [f32; 8] = [0.9, 0.95, 0.98, 0.99, 0.995, 0.998, 0.999, 1.0];
 /// How often the search is repeated with a worse view.
 const REPEATS: usize = 6;
 /// Frames that a time is the median of while times are only compared with the budget.
@@ -136,69 +137,90 @@ pub fn search(
     let mut views = Views::new(truths, &settings, measure, &cameras, &mut |done| {
         progress(0.3 * done);
     })?;
+    let (_, limit) = plan.budget.measure();
     let mut told = 0.3;
-    let mut best = None;
+    // What frames by auto's choice may take; less where the frames of the search turn out to have been lucky.
+    let mut quick_ms = match plan.budget {
+        Budget::BudgetMs(ms) => ms,
+        Budget::MaxError(_) | Budget::Psnr(_) => f64::INFINITY,
+    };
     for _ in 0..REPEATS {
-        let mut contender = if let Budget::BudgetMs(ms) = plan.budget {
-            most_accurate(renderers, &views, plan, ms)?
+        let Contender {
+            renderer,
+            accuracy,
+            mut errors,
+        } = if quick_ms.is_finite() {
+            most_accurate(renderers, &views, plan, quick_ms)?
         } else {
             fastest(renderers, &views, plan)?
         };
         told = 0.5 * (told + 0.7);
         progress(told);
-        if plan.error_views == 0 {
-            best = Some(contender);
-            break;
+        if plan.error_views > 0 {
+            errors = views.climb(&mut renderers[renderer], &accuracy)?;
+            if errors.expected() > limit {
+                continue;
+            }
         }
-        let renderer = &mut renderers[contender.renderer];
-        contender.errors = views.climb(renderer, &contender.accuracy)?;
-        let stands = contender.errors.expected() <= plan.budget.measure().1;
-        best = Some(contender);
-        if stands {
-            break;
+        let tuning_plan = tune::Plan {
+            settings: accuracy.in_settings(&plan.tuning.settings),
+            ..plan.tuning.clone()
+        };
+        let own = &mut renderers[renderer..=renderer];
+        let tuning = tune(own, &tuning_plan, &mut |done| {
+            progress(told + (1.0 - told) * done);
+        })?;
+        let frame_ms = tuning.rows[0].frame_ms;
+        if let Budget::BudgetMs(ms) = plan.budget
+            && frame_ms > ms
+        {
+            quick_ms *= 0.9 * ms / frame_ms;
+            continue;
         }
-        best = None;
+        return Ok(Found {
+            renderer,
+            accuracy,
+            error: errors.largest(),
+            expected: errors.expected(),
+            views: views.len(),
+            tuning,
+        });
     }
-    let Some(Contender {
-        renderer,
-        accuracy,
-        errors,
-    }) = best
-    else {
-        let reason = "every search found a worse view; ask for a little less";
-        return Err(Error::setting("max-error, psnr", reason));
-    };
-    let tuning_plan = tune::Plan {
-        settings: accuracy.in_settings(&plan.tuning.settings),
-        ..plan.tuning.clone()
-    };
-    let tuning = tune(
-        &mut renderers[renderer..=renderer],
-        &tuning_plan,
-        &mut |done| {
-            progress(0.7 + 0.3 * done);
-        },
-    )?;
-    Ok(Found {
-        renderer,
-        accuracy,
-        error: errors.largest(),
-        expected: errors.expected(),
-        views: views.len(),
-        tuning,
+    Err(match plan.budget {
+        Budget::BudgetMs(ms) => {
+            let reason = format!("no frames stay below {ms} ms: their times vary too much");
+            Error::setting("budget-ms", reason)
+        }
+        Budget::MaxError(_) | Budget::Psnr(_) => {
+            let reason = "every search found a worse view; ask for a little less";
+            Error::setting("max-error, psnr", reason)
+        }
     })
 }
 
 /// Every sampler and threshold that a renderer is tried with.
-fn kinds(renderers: &[Renderer], plan: &Plan) -> Vec<(usize, Sampler, f32)> {
+///
+/// Where the largest error counts, a threshold is only tried if what it can leave out at most ([`ert_bound`]) is inside the
+/// budget: the rays that it costs most, which stop just before something bright, are so few that views seldom show one.
+fn kinds(renderers: &[Renderer], plan: &Plan) -> Result<Vec<(usize, Sampler, f32)>> {
     let settings = &plan.tuning.settings;
     let composites = matches!(
         settings.mode,
         Mode::EmissionAbsorption | Mode::Shaded(_) | Mode::Grey(_)
     );
     let thresholds = if composites { &THRESHOLDS[..] } else { &[1.0] };
+    let limit = match plan.budget {
+        Budget::MaxError(limit) => limit,
+        Budget::Psnr(_) | Budget::BudgetMs(_) => f64::INFINITY,
+    };
     let mut kinds = Vec::new();
     for (i, renderer) in renderers.iter().enumerate() {
+        let (_, transfer) = renderer.scene()?;
+        let is_inside = |&ert: &f32| {
+            let settings = Settings { ert, ..*settings };
+            ert_bound(transfer, &settings).is_none_or(|bound| bound.error <= limit)
+        };
+        let thresholds: Vec<f32> = thresholds.iter().copied().filter(is_inside).collect();
         let samplers = match settings_on(renderer.info().backend, settings).sampler {
             Some(only) => vec![only],
             None => vec![Sampler::Hardware, Sampler::Exact],
@@ -207,7 +229,7 @@ fn kinds(renderers: &[Renderer], plan: &Plan) -> Vec<(usize, Sampler, f32)> {
             kinds.extend(thresholds.iter().map(|&ert| (i, sampler, ert)));
         }
     }
-    kinds
+    Ok(kinds)
 }
 
 /// The fastest contender whose errors are expected to stay inside the budget.
@@ -215,7 +237,7 @@ fn fastest(renderers: &mut [Renderer], views: &Views, plan: &Plan) -> Result<Con
     let (_, limit) = plan.budget.measure();
     let mut inside: Vec<Contender> = Vec::new();
     let mut nearest: Option<(f64, Accuracy)> = None;
-    for (renderer, sampler, ert) in kinds(renderers, plan) {
+    for (renderer, sampler, ert) in kinds(renderers, plan)? {
         // The coarsest step inside: errors fall with the step, but for noise that climbing is there for.
         let steps = steps();
         let (mut coarse, mut fine) = (0, steps.len());
@@ -327,7 +349,7 @@ fn most_accurate(
 ) -> Result<Contender> {
     let mut best: Option<Contender> = None;
     let mut shortest = f64::INFINITY;
-    for (renderer, sampler, ert) in kinds(renderers, plan) {
+    for (renderer, sampler, ert) in kinds(renderers, plan)? {
         let steps = steps();
         let (mut coarse, mut fine) = (0, steps.len());
         while coarse < fine {

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::metrics::metrics;
+use super::metrics::{Metrics, metrics};
 use super::race::{Entrant, Noise, Outcome, race};
+use super::truth::{Truth, Truths};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::render::{Choice, MethodChoice, Renderer, Settings};
@@ -40,10 +41,35 @@ pub struct Plan {
     pub reference: ReferencePlan,
 }
 
-/// How much of the comparison is repeated by the f64 reference, which is slow. Both sides are then drawn at this size,
-/// without early termination (design contract 7), the reference with the exact sampler and no skipping.
+/// What pictures are held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Against {
+    /// The f64 reference at the same step, with the exact sampler and no skipping; both sides without early termination.
+    /// What is left is the sampler's coarseness and the rounding.
+    Reference,
+    /// The truth ([`super::truth`]), and the picture as it is, with early termination: all of its error.
+    Truth,
+}
+
+impl Against {
+    /// All that there are.
+    pub const ALL: &[Self] = &[Self::Reference, Self::Truth];
+
+    /// The name used by flags and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reference => "reference",
+            Self::Truth => "truth",
+        }
+    }
+}
+
+/// How much of the comparison is held against f64 pictures, which are slow. Both sides are then drawn at this size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct ReferencePlan {
+    /// What the pictures are held against.
+    pub against: Against,
     /// Views, spread over those of the plan; 0: none, and no PSNR is reported.
     pub views: usize,
     /// Width and height of the pictures that are compared.
@@ -100,9 +126,11 @@ pub struct Row {
     pub differing_pixels_vs_box: u64,
     /// Largest difference of any channel from box's.
     pub max_abs_diff_vs_box: f64,
-    /// PSNR against the f64 reference ([`ReferencePlan`]); infinite (in JSON: null) where the pictures are equal, `None`
-    /// where it was not measured.
+    /// PSNR against the f64 reference or the truth ([`ReferencePlan`]); infinite (in JSON: null) where the pictures are equal,
+    /// `None` where it was not measured.
     pub psnr_vs_reference_db: Option<f64>,
+    /// The same pictures' largest difference of any channel.
+    pub max_abs_diff_vs_reference: Option<f64>,
 }
 
 /// What [`compare`] found.
@@ -158,6 +186,7 @@ pub fn compare(
     }
     let [width, height] = plan.settings.size.map(f64::from);
     let pixels = width * height * plan.views.len() as f64;
+    let truths = truths(reference, plan)?;
     let groups = plan.steps.len() * plan.blocks.len();
     let mut comparison = Comparison {
         rows: Vec::new(),
@@ -166,7 +195,10 @@ pub fn compare(
     };
     let mut all: Vec<Outcome> = Vec::new();
     for (s, step) in plan.steps.iter().enumerate() {
-        let truth = references(reference, plan, step)?;
+        let truth = match plan.reference.against {
+            Against::Reference => references(reference, plan, step)?,
+            Against::Truth => truths.clone(),
+        };
         for (b, &block) in plan.blocks.iter().enumerate() {
             let settings = Settings {
                 block,
@@ -179,7 +211,7 @@ pub fn compare(
             let outcomes = race(renderers, &entrants, plan.rounds, &mut part)?;
             for ((&method, entrant), outcome) in methods.iter().zip(&entrants).zip(&outcomes) {
                 let renderer = &mut renderers[entrant.renderer];
-                let psnr = psnr(renderer, entrant, plan, &truth)?;
+                let error = error(renderer, entrant, plan, &truth)?;
                 let base = (0..entrants.len())
                     .find(|&i| entrants[i].renderer == entrant.renderer && methods[i] == box_choice)
                     .expect("box is in every plan");
@@ -210,7 +242,8 @@ pub fn compare(
                     structure_bytes: outcome.preparation.structure_bytes,
                     differing_pixels_vs_box: outcome.differing_pixels,
                     max_abs_diff_vs_box: outcome.max_abs,
-                    psnr_vs_reference_db: psnr,
+                    psnr_vs_reference_db: error.map(|e| e.psnr_db()),
+                    max_abs_diff_vs_reference: error.map(|e| e.max_abs),
                 });
             }
             all.extend(outcomes);
@@ -288,16 +321,21 @@ fn reference_views(plan: &Plan) -> impl Iterator<Item = usize> {
     (0..count).map(move |i| i * views / count)
 }
 
+/// The settings that a picture is held against the others by.
 fn reference_settings(plan: &Plan, settings: &Settings) -> Settings {
     Settings {
-        ert: 1.0,
+        ert: match plan.reference.against {
+            // Design contract 7.
+            Against::Reference => 1.0,
+            Against::Truth => settings.ert,
+        },
         size: plan.reference.size,
         ..*settings
     }
 }
 
 /// The reference's pictures at one step; they depend on no block size.
-fn references(reference: &mut Renderer, plan: &Plan, step: &NamedStep) -> Result<Vec<Picture>> {
+fn references(reference: &mut Renderer, plan: &Plan, step: &NamedStep) -> Result<Vec<Truth>> {
     reference_views(plan)
         .map(|view| {
             let settings = Settings {
@@ -308,17 +346,40 @@ fn references(reference: &mut Renderer, plan: &Plan, step: &NamedStep) -> Result
                 ..plan.settings
             };
             let settings = reference_settings(plan, &settings);
-            Ok(reference.render(&settings)?.picture)
+            let picture = reference.render(&settings)?.picture;
+            Ok(Truth {
+                masked: vec![false; picture.rgba.len()],
+                picture,
+                step_voxels: step.voxels,
+                bound: f64::INFINITY,
+            })
         })
         .collect()
 }
 
-fn psnr(
+/// The truths of the views, which depend on no step.
+fn truths(reference: &Renderer, plan: &Plan) -> Result<Vec<Truth>> {
+    if plan.reference.against != Against::Truth || plan.reference.views == 0 {
+        return Ok(Vec::new());
+    }
+    let mut truths = Truths::like(reference)?;
+    reference_views(plan)
+        .map(|view| {
+            let settings = Settings {
+                camera: plan.views[view],
+                ..plan.settings
+            };
+            truths.of(&reference_settings(plan, &settings), |_| ())
+        })
+        .collect()
+}
+
+fn error(
     renderer: &mut Renderer,
     entrant: &Entrant,
     plan: &Plan,
-    truth: &[Picture],
-) -> Result<Option<f64>> {
+    truth: &[Truth],
+) -> Result<Option<Metrics>> {
     if truth.is_empty() {
         return Ok(None);
     }
@@ -328,5 +389,5 @@ fn psnr(
             Ok(renderer.render(&settings)?.picture)
         })
         .collect::<Result<_>>()?;
-    Ok(Some(metrics(pictures.iter().zip(truth)).psnr_db()))
+    Ok(Some(metrics(pictures.iter().zip(truth))))
 }

@@ -69,6 +69,11 @@ impl Measure {
     }
 }
 
+/// Views that are climbed from.
+const STARTS: usize = 3;
+/// Turns of the camera while climbing.
+const TURNS_DEGREES: [f64; 3] = [10.0, 5.0, 2.5];
+
 /// Views with their truths.
 pub struct Views<'a> {
     truths: &'a mut Truths,
@@ -90,10 +95,12 @@ impl Errors {
         self.of_views.iter().copied().fold(0.0, f64::max)
     }
 
-    /// The view of the largest.
-    fn worst(&self) -> usize {
-        let by_error = |a: &usize, b: &usize| self.of_views[*a].total_cmp(&self.of_views[*b]);
-        (0..self.of_views.len()).max_by(by_error).unwrap_or(0)
+    /// So many views with the largest, the worst first.
+    fn worst(&self, count: usize) -> Vec<usize> {
+        let mut views: Vec<usize> = (0..self.of_views.len()).collect();
+        views.sort_by(|&a, &b| self.of_views[b].total_cmp(&self.of_views[a]));
+        views.truncate(count);
+        views
     }
 
     /// What other views are expected to stay below: the largest and, for what was not seen, the standard deviation over the
@@ -135,7 +142,7 @@ impl<'a> Views<'a> {
         };
         for (i, &camera) in cameras.iter().enumerate() {
             views.see(camera, &mut |done| {
-                progress((i as f64 + done) / cameras.len() as f64)
+                progress((i as f64 + done) / cameras.len() as f64);
             })?;
         }
         Ok(views)
@@ -173,13 +180,8 @@ impl<'a> Views<'a> {
     ) -> Result<Errors> {
         let mut of_views = Vec::with_capacity(self.seen.len());
         // What was found last is most likely what is worst.
-        for (camera, truth) in self.seen.iter().rev() {
-            let settings = Settings {
-                camera: *camera,
-                ..accuracy.in_settings(&self.settings)
-            };
-            let picture = renderer.render(&settings)?.picture;
-            let error = self.measure.of(&metrics([(&picture, truth)]));
+        for view in (0..self.seen.len()).rev() {
+            let error = self.error(renderer, accuracy, view)?;
             of_views.push(error);
             if error > limit {
                 break;
@@ -190,37 +192,43 @@ impl<'a> Views<'a> {
         Ok(Errors { of_views })
     }
 
-    /// Goes from the worst view to where it is worse still, around the camera's target, in smaller and smaller turns; adds
-    /// what it finds to the views, and gives their errors.
+    /// Goes from each of the worst views to where it is worse still, around the camera's target, in smaller and smaller turns;
+    /// adds what it finds to the views, and gives their errors.
     ///
     /// # Errors
     /// As [`Self::errors`] and [`Truths::of`].
     pub fn climb(&mut self, renderer: &mut Renderer, accuracy: &Accuracy) -> Result<Errors> {
-        const TURNS_DEGREES: [f64; 3] = [10.0, 5.0, 2.5];
         let mut errors = self.errors(renderer, accuracy, f64::INFINITY)?;
-        let (mut top, _) = self.seen[errors.worst()];
-        let mut worst = errors.largest();
-        for turn in TURNS_DEGREES {
-            let from = top;
-            for direction in around(&from, turn) {
-                let camera = seen_from(&from, direction);
-                self.see(camera, &mut |_| ())?;
-                let (_, truth) = self.seen.last().expect("seen just now");
-                let settings = Settings {
-                    camera,
-                    ..accuracy.in_settings(&self.settings)
-                };
-                let picture = renderer.render(&settings)?.picture;
-                let error = self.measure.of(&metrics([(&picture, truth)]));
-                if error > worst {
-                    (top, worst) = (camera, error);
-                    errors.of_views.push(error);
-                } else {
-                    self.seen.pop();
+        for start in errors.worst(STARTS) {
+            let (mut top, _) = self.seen[start];
+            let mut worst = errors.of_views[start];
+            for turn in TURNS_DEGREES {
+                let from = top;
+                for direction in around(&from, turn) {
+                    let camera = seen_from(&from, direction);
+                    self.see(camera, &mut |_| ())?;
+                    let error = self.error(renderer, accuracy, self.seen.len() - 1)?;
+                    if error > worst {
+                        (top, worst) = (camera, error);
+                        errors.of_views.push(error);
+                    } else {
+                        self.seen.pop();
+                    }
                 }
             }
         }
         Ok(errors)
+    }
+
+    /// The error of one view.
+    fn error(&self, renderer: &mut Renderer, accuracy: &Accuracy, view: usize) -> Result<f64> {
+        let (camera, truth) = &self.seen[view];
+        let settings = Settings {
+            camera: *camera,
+            ..accuracy.in_settings(&self.settings)
+        };
+        let picture = renderer.render(&settings)?.picture;
+        Ok(self.measure.of(&metrics([(&picture, truth)])))
     }
 }
 
@@ -295,7 +303,7 @@ mod tests {
         let errors = Errors {
             of_views: vec![1.0, 3.0, 2.0],
         };
-        assert_eq!((errors.largest(), errors.worst()), (3.0, 1));
+        assert_eq!((errors.largest(), errors.worst(2)), (3.0, vec![1, 2]));
         assert_eq!(errors.expected(), 4.0);
         assert_eq!(
             Errors {

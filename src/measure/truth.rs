@@ -2,7 +2,7 @@
 //!
 //! The truth of a scene (volume, transfer function in a table, mode, camera, clipping, size) is what its picture tends to as
 //! the step goes to 0, in double precision, with exact interpolation and without early termination. Skipping is by a lossless
-//! method, which changes no bit. It is never taken from a graphics adapter. How it is refined: see [`refine`](self::refine).
+//! method, which changes no bit. It is never taken from a graphics adapter. How it is refined: see `truth/refine.rs`.
 //!
 //! Truths are kept in the user's cache folder under a hash of all that they depend on. Every file there is safe to delete,
 //! and a damaged one is computed anew.
@@ -81,6 +81,15 @@ impl Truths {
             key: Key::new(volume, transfer),
             folder: render::cache::file("truth"),
         })
+    }
+
+    /// Takes volume and transfer function of a renderer, where both are set.
+    ///
+    /// # Errors
+    /// [`crate::Error::Setting`] where one is not.
+    pub fn like(renderer: &Renderer) -> Result<Self> {
+        let (volume, transfer) = renderer.scene()?;
+        Self::new(volume, transfer)
     }
 
     /// Keeps truths in this folder instead, or nowhere.

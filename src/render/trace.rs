@@ -1,11 +1,26 @@
 //! Single rays in double precision.
 
+use std::sync::Arc;
+
 use super::{Drawing, Renderer, Settings};
 use crate::error::{Error, Result};
 use crate::reference::{self, Traced};
 use crate::skip::Skip;
+use crate::transfer::TransferFunction;
+use crate::volume::Volume;
 
 impl Renderer {
+    /// What is drawn: volume and transfer function.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] where one was not set.
+    pub fn scene(&self) -> Result<(&Arc<Volume>, &TransferFunction)> {
+        let unset = |field| Error::setting(field, "none was set");
+        let volume = self.volume.as_ref().ok_or_else(|| unset("volume"))?;
+        let transfer = self.transfer.as_ref().ok_or_else(|| unset("tf"))?;
+        Ok((volume, transfer))
+    }
+
     /// What the reference sees at places (column, row) of the picture, of which whole numbers are the middles of pixels,
     /// before it is rounded to f32.
     ///

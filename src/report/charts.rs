@@ -239,6 +239,16 @@ fn distinct(cases: &[Case], number: impl Fn(&Case) -> f64) -> usize {
     numbers.len()
 }
 
+/// The cases whose method and kind were measured at so many different numbers.
+fn varied<'a>(cases: &[Case<'a>], number: impl Fn(&Case) -> f64, least: usize) -> Vec<Case<'a>> {
+    let is_varied = |c: &&Case| {
+        let is_same = |o: &&Case| o.record.method == c.record.method && o.kind() == c.kind();
+        let own: Vec<Case> = cases.iter().filter(is_same).copied().collect();
+        distinct(&own, &number) >= least
+    };
+    cases.iter().filter(is_varied).copied().collect()
+}
+
 fn voxels_an_axis(case: &Case) -> f64 {
     case.scene
         .dims
@@ -318,10 +328,11 @@ fn image_size(model: &Model) -> Vec<Figure> {
     });
     let mut figures = Vec::new();
     for (key, cases) in groups {
-        if distinct(&cases, pixels_an_axis) < 3 {
+        // Methods that were measured in one size alone tell nothing of growth.
+        let cases = fastest_blocks(varied(&cases, pixels_an_axis, 3).into_iter());
+        if cases.is_empty() {
             continue;
         }
-        let cases = fastest_blocks(cases.into_iter());
         let series = series(cases.iter().copied(), pixels_an_axis, ms);
         figures.push(Figure {
             id: format!("image-size-{}", file_name(&key)),
@@ -351,16 +362,7 @@ fn blocks(model: &Model) -> Vec<Figure> {
     let block = |c: &Case| c.record.block as f64;
     let mut figures = Vec::new();
     for (key, cases) in groups {
-        // Methods that were measured in one size alone tell nothing of blocks.
-        let own = |c: &Case| -> Vec<Case> {
-            let is_same = |o: &&Case| o.record.method == c.record.method && o.kind() == c.kind();
-            cases.iter().filter(is_same).copied().collect()
-        };
-        let cases: Vec<Case> = cases
-            .iter()
-            .filter(|c| distinct(&own(c), block) > 2)
-            .copied()
-            .collect();
+        let cases = varied(&cases, block, 3);
         if cases.is_empty() {
             continue;
         }

@@ -108,19 +108,20 @@ impl Case<'_> {
             ert,
             ..
         } = self.record;
-        let mut label = format!("{}: {method}, step {step}", self.scene.title);
-        if method != "box" && method != "auto" {
-            label += &format!(", blocks of {block}");
-        }
-        label += &format!(
-            ", {}, ERT {ert}: {} ms",
+        let blocks = if method == "box" || method == "auto" {
+            String::new()
+        } else {
+            format!(", blocks of {block}")
+        };
+        let error = error.as_ref().map_or(String::new(), |error| {
+            format!(", RMS error {}", short(error.rms))
+        });
+        format!(
+            "{}: {method}, step {step}{blocks}, {}, ERT {ert}: {} ms{error}",
+            self.scene.title,
             self.kind(),
             short(frame_ms.median)
-        );
-        if let Some(error) = error {
-            label += &format!(", RMS error {}", short(error.rms));
-        }
-        label
+        )
     }
 
     /// As a point of a chart.

@@ -112,8 +112,8 @@ fn drawing(figure: &Figure) -> Markup {
                 text x=(px(left - 8.0)) y=(px(y_at(*tick) + 4.0)) text-anchor="end" { (text) }
             }
             rect class="frame" x=(px(left)) y=(px(top)) width=(px(right - left)) height=(px(bottom - top)) {}
-            text class="label" x=(px((left + right) / 2.0)) y=(px(SIZE[1] - 10.0)) text-anchor="middle" { (figure.x.label) }
-            text class="label" transform=(format!("translate(14 {}) rotate(-90)", px((top + bottom) / 2.0))) text-anchor="middle" { (figure.y.label) }
+            text class="label" x=(px(f64::midpoint(left, right))) y=(px(SIZE[1] - 10.0)) text-anchor="middle" { (figure.x.label) }
+            text class="label" transform=(format!("translate(14 {}) rotate(-90)", px(f64::midpoint(top, bottom)))) text-anchor="middle" { (figure.y.label) }
             @for (level, meaning) in &figure.levels {
                 line class="level" x1=(px(left)) x2=(px(right)) y1=(px(y_at(*level))) y2=(px(y_at(*level))) {}
                 text class="level" x=(px(right - 4.0)) y=(px(y_at(*level) - 4.0)) text-anchor="end" { (meaning) }

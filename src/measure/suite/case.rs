@@ -131,6 +131,9 @@ impl SceneRow {
 
 impl Suite {
     /// All cases, in the order of scenes and then of the file. What a backend does not have is left out.
+    ///
+    /// # Panics
+    /// Never: names were checked when the suite was read.
     pub fn groups(&self) -> Vec<Group> {
         let mut groups: Vec<Group> = Vec::new();
         for sweep in &self.sweeps {

@@ -114,12 +114,11 @@ impl Writer {
             path: path.to_owned(),
             file,
         };
-        let results = match known {
-            Some(results) => results,
-            None => {
-                writer.append(&[Record::Header(header.clone())])?;
-                Results::new(header.clone())
-            }
+        let results = if let Some(results) = known {
+            results
+        } else {
+            writer.append(&[Record::Header(header.clone())])?;
+            Results::new(header.clone())
         };
         Ok((writer, results))
     }
@@ -128,6 +127,9 @@ impl Writer {
     ///
     /// # Errors
     /// [`Error::Io`].
+    ///
+    /// # Panics
+    /// Never: every record is an object with names for keys.
     pub fn append(&mut self, records: &[Record]) -> Result<()> {
         let mut text = String::new();
         for record in records {

@@ -52,8 +52,8 @@ impl Key {
         };
         hash.update(format!("{read:?}"));
         let digest = hash.finalize();
-        let hex: String = digest.iter().take(16).map(|b| format!("{b:02x}")).collect();
-        format!("{hex}.truth")
+        let first: [u8; 16] = std::array::from_fn(|i| digest[i]);
+        format!("{:032x}.truth", u128::from_be_bytes(first))
     }
 }
 
