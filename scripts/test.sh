@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Runs all tests, on a machine that may have nothing but Rust: where no graphics adapter is found, Mesa's software one is
-# installed first (Debian and Ubuntu), for the tests that draw with one fail without it.
+# installed first (Debian and Ubuntu), for the tests that draw with one fail without it. So is Chromium, in which the test of
+# reports opens one; without it that test says that it was not run.
 #
 # HOLLOWCAST_DATA and HOLLOWCAST_FORMATS name folders with more volumes and with conformance samples; where both are set,
 # the tests that read them run too.
@@ -28,6 +29,13 @@ if ! has_adapter; then
     echo "test.sh: installing Mesa's software adapter"
     as_root apt-get update -q
     as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends libvulkan1 mesa-vulkan-drivers
+fi
+
+if ! command -v chromium > /dev/null && ! command -v chromium-browser > /dev/null && command -v apt-get > /dev/null; then
+    echo "test.sh: installing chromium"
+    as_root apt-get update -q || true
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends chromium ||
+        echo "test.sh: chromium could not be installed: reports are not opened in a browser"
 fi
 
 if [ -n "${HOLLOWCAST_DATA:-}" ] && [ -n "${HOLLOWCAST_FORMATS:-}" ]; then

@@ -12,6 +12,7 @@ pub mod octree;
 pub mod output;
 pub mod reference;
 pub mod render;
+pub mod report;
 pub mod sample;
 pub mod scene;
 pub mod skip;

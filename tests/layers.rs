@@ -23,6 +23,7 @@ const LAYERS: &[&[&str]] = &[
     // Picture files know pictures, not who drew them.
     &["render", "output"],
     &["measure"],
+    &["report"],
     &["cli", "viewer"],
 ];
 

@@ -44,14 +44,14 @@ or was not measured. Slices keep their own distance, whatever the step.";
 #[command(after_help = EXAMPLES)]
 pub(super) struct Args {
     #[command(flatten)]
-    volume: VolumeArgs,
+    pub(super) volume: VolumeArgs,
 
     #[command(flatten)]
-    scene: SceneArgs,
+    pub(super) scene: SceneArgs,
 
     /// The methods, on every backend that has them, and auto; box is added where it is missing [default: all methods]
     #[arg(long, value_delimiter = ',', value_parser = values::method_or_auto(), help_heading = "Comparison")]
-    methods: Vec<MethodChoice>,
+    pub(super) methods: Vec<MethodChoice>,
 
     /// Modes whose speeds are compared in place of one --mode, in pictures per second; their parameters suit the data
     #[arg(long, value_delimiter = ',', value_name = "all|MODE,...", value_parser = mode_args::names(), conflicts_with = "mode", help_heading = "Comparison")]
@@ -76,11 +76,11 @@ pub(super) struct Args {
         default_value = "0.002u,0.005u,0.01u",
         help_heading = "Comparison"
     )]
-    steps: Vec<Step>,
+    pub(super) steps: Vec<Step>,
 
     /// Edges of the leaf blocks in voxels: 2, 4, 8, 16, 32, 64; auto chooses its own
     #[arg(long, value_name = "N", value_delimiter = ',', default_value = "8", value_parser = scene_args::block, help_heading = "Comparison")]
-    blocks: Vec<usize>,
+    pub(super) blocks: Vec<usize>,
 
     /// Where the pictures are made
     #[arg(long, value_delimiter = ',', default_value = "auto", value_parser = values::named(BackendChoice::ALL, BackendChoice::name), help_heading = "Comparison")]
@@ -88,7 +88,7 @@ pub(super) struct Args {
 
     /// Views, evenly around the box from --camera on; a camera at a place (eye=...) is one view
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=360), help_heading = "Comparison")]
-    views: u32,
+    pub(super) views: u32,
 
     /// Timed runs of each method in each view
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..), help_heading = "Comparison")]

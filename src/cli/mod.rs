@@ -1,5 +1,8 @@
 //! The command line: one file per subcommand; arguments that several take in files of their own.
 
+mod bench;
+mod bench_pictures;
+mod bench_report;
 mod camera;
 mod clip_args;
 mod compare;
@@ -15,6 +18,7 @@ mod render;
 mod report;
 mod scene_args;
 mod slice_args;
+mod suite_words;
 mod table;
 mod truth;
 mod tune;
@@ -44,6 +48,8 @@ Examples:
   hollowcast truth scan.nrrd -o truth.exr                  the picture that all tend to as the step goes to 0
   hollowcast verify scan.nrrd                              does skipping change one bit?
   hollowcast gallery scan.nrrd -o modes.png                every mode there is, on one sheet
+  hollowcast bench benches/quick.toml -o results.jsonl     a suite of measurements
+  hollowcast report results.jsonl -o report.html           and what they say, as a page
   hollowcast phantom pot 256 -o pot.nrrd                   a test volume
 
 VOLUME is a file (NRRD, MetaImage, NIfTI, raw) or phantom:NAME:SIZE.
@@ -64,6 +70,8 @@ enum Command {
     Tune(tune::Args),
     Truth(truth::Args),
     Verify(verify::Args),
+    Bench(bench::Args),
+    Report(bench_report::Args),
     Info(info::Args),
     Phantom(phantom::Args),
     Gallery(gallery::Args),
@@ -91,6 +99,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Tune(args) => tune::run(&args),
         Command::Truth(args) => truth::run(&args),
         Command::Verify(args) => verify::run(&args),
+        Command::Bench(args) => bench::run(&args),
+        Command::Report(args) => bench_report::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Phantom(args) => phantom::run(&args),
         Command::Gallery(args) => gallery::run(&args),
@@ -114,15 +124,18 @@ fn answer_without_command(answer: &clap::Error) -> ExitCode {
             // Nobody is left to tell where even this cannot be printed.
             let _ = answer.print();
         }
-        _ => {
-            let text = answer.render().to_string();
-            let told = text.lines().filter(|line| {
-                !line.starts_with("Usage:") && !line.starts_with("For more information")
-            });
-            eprintln!("{}", one_line(&told.collect::<Vec<_>>().join("\n")));
-        }
+        _ => eprintln!("{}", message(answer)),
     }
     ExitCode::from(answer.exit_code() as u8)
+}
+
+/// An error of clap's without its hints, in one line.
+fn message(answer: &clap::Error) -> String {
+    let text = answer.render().to_string();
+    let told = text
+        .lines()
+        .filter(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"));
+    one_line(&told.collect::<Vec<_>>().join("\n"))
 }
 
 fn one_line(text: &str) -> String {

@@ -319,7 +319,7 @@ fn chosen(method: Option<MethodChoice>, entrant: &Entrant) -> Vec<String> {
 }
 
 /// The settings as a backend can draw them: only graphics adapters have a filter. What else it does not have it refuses.
-pub(super) fn settings_on(backend: &str, settings: &Settings) -> Settings {
+pub fn settings_on(backend: &str, settings: &Settings) -> Settings {
     let sampler = match settings.sampler {
         Some(Sampler::Hardware) if backend != "gpu" => Some(Sampler::Exact),
         sampler => sampler,

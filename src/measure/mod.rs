@@ -1,4 +1,5 @@
-//! How fast and how exact: comparisons of methods over steps, blocks and backends, and the search for the fastest.
+//! How fast and how exact: comparisons of methods over steps, blocks and backends, the search for the fastest,
+//! and suites of all that.
 
 pub mod bounds;
 pub mod budget;
@@ -9,6 +10,7 @@ pub mod metrics;
 pub mod profile;
 pub mod race;
 pub mod statistics;
+pub mod suite;
 pub mod truth;
 pub mod tune;
 pub mod verify;

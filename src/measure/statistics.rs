@@ -1,7 +1,7 @@
 //! Medians of repeated runs, and how far they can be trusted. Times on a busy machine have a long tail upwards: a mean would tell of the tail.
 
 /// The middle and the quarters of a set of numbers.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Quartiles {
     /// A quarter of the numbers lies below.
     pub q1: f64,

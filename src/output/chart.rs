@@ -5,7 +5,7 @@ use std::path::Path;
 
 use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
-use kuva::plot::LinePlot;
+use kuva::plot::{LinePlot, ScatterPlot};
 use kuva::render::figure::{Figure, FigureLegendPosition};
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
@@ -40,7 +40,7 @@ pub struct Panel {
 /// Numbers over numbers.
 #[derive(Debug, Clone)]
 pub struct Line {
-    /// In the legend.
+    /// In the legend. Lines whose names differ in what stands in parentheses alone have one colour, in different strokes.
     pub name: String,
     /// `[x, y]`, joined in this order.
     pub points: Vec<[f64; 2]>,
@@ -51,6 +51,19 @@ const COLORS: [&str; 12] = [
     "#000000", "#e69f00", "#56b4e9", "#009e73", "#d55e00", "#cc79a7", "#0072b2", "#c0b400",
     "#7f7f7f", "#5d3a9b", "#6b4226", "#1b5e20",
 ];
+
+/// The most points of a line that are marked.
+const MARKED: usize = 16;
+
+/// A name before its parentheses.
+fn stem(name: &str) -> &str {
+    name.split(" (").next().unwrap_or(name)
+}
+
+/// What stands in a name's parentheses.
+fn kind(name: &str) -> &str {
+    name.split_once(" (").map_or("", |(_, kind)| kind)
+}
 
 /// Width and height of a panel in pixels of the SVG.
 const PANEL: [f64; 2] = [520.0, 340.0];
@@ -97,43 +110,46 @@ impl Chart {
         write_atomically(path, |file| file.write_all(&bytes))
     }
 
-    /// The names of all lines, each once.
-    fn names(&self) -> Vec<&str> {
-        let mut names: Vec<&str> = Vec::new();
+    /// What the names of all lines say before their parentheses, or in them, each once.
+    fn parts(&self, part: fn(&str) -> &str) -> Vec<&str> {
+        let mut parts: Vec<&str> = Vec::new();
         for line in self.panels.iter().flat_map(|p| &p.lines) {
-            if !names.contains(&line.name.as_str()) {
-                names.push(&line.name);
+            if !parts.contains(&part(&line.name)) {
+                parts.push(part(&line.name));
             }
         }
-        names
+        parts
     }
 
     fn figure(&self) -> Figure {
-        let names = self.names();
-        let color = |name: &str| {
-            let place = names.iter().position(|n| *n == name).unwrap_or(0);
-            COLORS[place % COLORS.len()]
-        };
+        let (stems, kinds) = (self.parts(stem), self.parts(kind));
+        let place = |parts: &[&str], part: &str| parts.iter().position(|p| *p == part).unwrap_or(0);
+        let color = |name: &str| COLORS[place(&stems, stem(name)) % COLORS.len()];
         let mut plots = Vec::new();
         let mut layouts = Vec::new();
         for panel in &self.panels {
-            let lines: Vec<Plot> = panel
-                .lines
-                .iter()
-                .map(|line| {
-                    let is_shown = |p: &&[f64; 2]| {
-                        (!panel.log_x || p[0] > 0.0) && (!panel.log_y || p[1] > 0.0)
-                    };
-                    let points = line.points.iter().filter(is_shown);
-                    Plot::Line(
-                        LinePlot::new()
-                            .with_data(points.map(|p| (p[0], p[1])))
-                            .with_color(color(&line.name))
-                            .with_stroke_width(2.0)
-                            .with_legend(&line.name),
-                    )
-                })
-                .collect();
+            let mut lines: Vec<Plot> = Vec::new();
+            for line in &panel.lines {
+                let is_shown =
+                    |p: &&[f64; 2]| (!panel.log_x || p[0] > 0.0) && (!panel.log_y || p[1] > 0.0);
+                let points = line.points.iter().filter(is_shown).map(|p| (p[0], p[1]));
+                let plot = LinePlot::new()
+                    .with_data(points.clone())
+                    .with_color(color(&line.name))
+                    .with_stroke_width(2.0)
+                    .with_legend(&line.name);
+                lines.push(Plot::Line(match place(&kinds, kind(&line.name)) % 4 {
+                    0 => plot,
+                    1 => plot.with_dashed(),
+                    2 => plot.with_dotted(),
+                    _ => plot.with_dashdot(),
+                }));
+                // Few points are marked: one alone makes no line.
+                if line.points.len() <= MARKED {
+                    let marks = ScatterPlot::new().with_data(points).with_size(3.0);
+                    lines.push(Plot::Scatter(marks.with_color(color(&line.name))));
+                }
+            }
             let mut layout = Layout::auto_from_plots(&lines)
                 .with_x_label(&panel.x_label)
                 .with_y_label(&panel.y_label);

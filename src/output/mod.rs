@@ -103,6 +103,16 @@ pub fn write(picture: &Picture, path: &Path, encoding: PngEncoding) -> Result<()
     })
 }
 
+/// A picture as the bytes of a PNG.
+///
+/// # Panics
+/// Never: memory takes all that is written.
+pub fn png_bytes(picture: &Picture, encoding: PngEncoding) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    png::encode(picture, encoding, &mut bytes).expect("memory takes all that is written");
+    bytes
+}
+
 /// The picture in front of an opaque background (linear red, green, blue).
 pub fn over(picture: &Picture, background: [f32; 3]) -> Picture {
     let pixel = |p: &[f32; 4]| {

@@ -1,0 +1,92 @@
+//! The pictures of `hollowcast bench`.
+
+use hollowcast::measure::compare::settings_on;
+use hollowcast::measure::suite::{self, PictureRecord, PictureRow, Record, Shown, What};
+use hollowcast::mode::MODES;
+use hollowcast::render::MethodChoice;
+use hollowcast::{Error, Result};
+
+use super::bench::{Bench, Planned, has, settings};
+use super::suite_words;
+
+impl Bench<'_> {
+    /// Draws a row of pictures of a group's scene, if it is not in the results yet.
+    pub(super) fn show(&mut self, row: &PictureRow, planned: &Planned) -> Result<()> {
+        let place = self.backends.iter().position(|n| *n == row.backend);
+        let Some(renderer) = place.filter(|_| !self.has_pictures(row)) else {
+            return Ok(());
+        };
+        self.load(planned)?;
+        let shown = self.shown(row, planned, renderer)?;
+        let Some(first) = shown.first() else {
+            return Ok(());
+        };
+        let about = PictureRecord {
+            command: first.command.clone(),
+            scene: row.scene.clone(),
+            backend: row.backend.clone(),
+            method: String::new(),
+            step: row.step.clone(),
+            what: What::Picture,
+            scale: 1.0,
+            size: [row.size; 2],
+            png: String::new(),
+        };
+        let truths = &mut self.loaded.as_mut().expect("loaded just above").truths;
+        let truth = truths.of(&first.settings, |_| ())?;
+        let pictures = suite::pictures(&mut self.renderers[renderer], &shown, &truth, &about)?;
+        self.results.pictures.extend(pictures.iter().cloned());
+        self.writer.append(&[Record::Pictures { pictures }])?;
+        Ok(())
+    }
+
+    /// Whether a row is in the results.
+    fn has_pictures(&self, row: &PictureRow) -> bool {
+        self.results.pictures.iter().any(|p| {
+            (&p.scene, &p.backend, &p.step, p.size)
+                == (&row.scene, &row.backend, &row.step, [row.size; 2])
+                && row.methods.contains(&p.method)
+        })
+    }
+
+    /// The methods of a row that the renderer has.
+    fn shown(&self, row: &PictureRow, planned: &Planned, renderer: usize) -> Result<Vec<Shown>> {
+        let place = &self.places[planned.group.scene];
+        let volume = &self.loaded.as_ref().expect("loaded by the caller").volume;
+        let renderer = &self.renderers[renderer];
+        let mut shown = Vec::new();
+        for method in &row.methods {
+            let mut words = self.suite.scenes[planned.group.scene].words(&place.path);
+            words.extend(["--size".to_owned(), row.size.to_string()]);
+            if row.mode != MODES[0].name {
+                words.extend(["--mode".to_owned(), row.mode.clone()]);
+            }
+            let block = row.block.to_string();
+            let with = |flags: [&str; 4]| {
+                let values = [&row.step, &row.backend, method, &block];
+                let pairs = flags.iter().zip(values);
+                let more = pairs.flat_map(|(flag, value)| [(*flag).to_owned(), value.clone()]);
+                words.iter().cloned().chain(more).collect::<Vec<String>>()
+            };
+            // compare takes lists where render takes one.
+            let of_compare = with(["--steps", "--backends", "--methods", "--blocks"]);
+            let of_render = with(["--step", "--backend", "--method", "--block"]);
+            let args = suite_words::parsed(&of_compare).map_err(|reason| {
+                Error::setting(format!("picture of \"{}\"", row.scene), reason)
+            })?;
+            let (_, mode) = args.scene.transfer_and_mode(volume)?;
+            let camera = args.scene.camera.camera(volume, 0.0);
+            let settings = settings(&args, mode, volume, camera)?;
+            if let MethodChoice::Only(skip) = args.methods[0]
+                && has(renderer, skip, &mode)
+            {
+                shown.push(Shown {
+                    command: suite_words::line("render", &place.word, &of_render),
+                    method: method.clone(),
+                    settings: settings_on(renderer.info().backend, &settings),
+                });
+            }
+        }
+        Ok(shown)
+    }
+}

@@ -1,0 +1,53 @@
+//! `hollowcast report`: results of `bench` as a page.
+
+use std::path::PathBuf;
+
+use hollowcast::measure::suite::Results;
+use hollowcast::{Error, Result, report};
+
+const EXAMPLES: &str = "\
+Examples:
+  hollowcast bench benches/quick.toml -o quick.jsonl
+  hollowcast report quick.jsonl -o quick.html
+  hollowcast report laptop.jsonl workstation.jsonl -o both.html --charts charts
+
+The page is one file that needs no network: charts of error over time with their Pareto fronts, the published tables beside
+what was measured, pictures, and under each number the command that measures it again. --charts writes its charts as SVG and
+PNG files too, and its pictures.";
+
+/// Makes a page of measured results.
+#[derive(Debug, clap::Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct Args {
+    /// Files that `hollowcast bench` wrote
+    #[arg(value_name = "RESULTS", required = true)]
+    results: Vec<PathBuf>,
+
+    /// The page
+    #[arg(short, long, value_name = "FILE", default_value = "report.html")]
+    output: PathBuf,
+
+    /// A folder for the charts as SVG and PNG files, and the pictures
+    #[arg(long, value_name = "DIR")]
+    charts: Option<PathBuf>,
+}
+
+pub(super) fn run(args: &Args) -> Result<()> {
+    let bad = |reason: &str| Err(Error::file(&args.output, "output", reason));
+    if args.results.contains(&args.output) {
+        return bad("is one of the results, which would be lost");
+    }
+    if args.output.is_dir() {
+        return bad("is a folder");
+    }
+    let results = args.results.iter().map(|path| Results::read(path));
+    let results = results.collect::<Result<Vec<_>>>()?;
+    let figures = report::write(&results, &args.output)?;
+    let mut files = vec![args.output.clone()];
+    if let Some(folder) = &args.charts {
+        files.extend(report::write_charts(&figures, folder)?);
+        files.extend(report::write_pictures(&results, folder)?);
+    }
+    let lines: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
+    super::print(&(lines.join("\n") + "\n"))
+}

@@ -1,0 +1,134 @@
+//! Pictures for the report: what methods draw, how far that is from the truth, and what it takes.
+
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+
+use super::record::{PictureRecord, What};
+use crate::error::Result;
+use crate::measure::truth::Truth;
+use crate::output::{self, PngEncoding, heat};
+use crate::render::{Renderer, Settings};
+use crate::scene::Picture;
+
+/// Behind the pictures, linear.
+const BACKGROUND: [f32; 3] = [0.01, 0.011, 0.013];
+
+/// A method whose pictures are shown.
+#[derive(Debug, Clone)]
+pub struct Shown {
+    /// The command that draws it again.
+    pub command: String,
+    /// The method's name.
+    pub method: String,
+    /// What it is drawn with.
+    pub settings: Settings,
+}
+
+/// The truth, then for each method what it draws, the difference from the truth and the samples, all on common scales.
+/// Of `about`, scene, backend, step and the truth's command are taken.
+///
+/// # Errors
+/// Whatever the renderer reports.
+pub fn pictures(
+    renderer: &mut Renderer,
+    shown: &[Shown],
+    truth: &Truth,
+    about: &PictureRecord,
+) -> Result<Vec<PictureRecord>> {
+    let mut records = vec![PictureRecord {
+        method: "truth".to_owned(),
+        what: What::Picture,
+        scale: 1.0,
+        size: truth.picture.size,
+        png: png(&output::over(&truth.picture, BACKGROUND)),
+        ..about.clone()
+    }];
+    let counted = shown
+        .iter()
+        .map(|s| renderer.count(&s.settings))
+        .collect::<Result<Vec<_>>>()?;
+    let largest = counted
+        .iter()
+        .map(|c| c.picture.difference(&truth.picture).max_abs)
+        .fold(0.0, f64::max);
+    let amplification = amplification(largest);
+    let most = counted
+        .iter()
+        .flat_map(|c| &c.samples)
+        .copied()
+        .max()
+        .unwrap_or(0);
+    for (shown, counted) in shown.iter().zip(&counted) {
+        let size = counted.picture.size;
+        let difference = difference(&counted.picture, &truth.picture, amplification as f32);
+        for (what, scale, picture) in [
+            (
+                What::Picture,
+                1.0,
+                output::over(&counted.picture, BACKGROUND),
+            ),
+            (What::Difference, amplification, difference),
+            (
+                What::Samples,
+                f64::from(most),
+                heat::map(&counted.samples, size, most),
+            ),
+        ] {
+            records.push(PictureRecord {
+                command: shown.command.clone(),
+                method: shown.method.clone(),
+                what,
+                scale,
+                size,
+                png: png(&picture),
+                ..about.clone()
+            });
+        }
+    }
+    Ok(records)
+}
+
+/// The power of ten, at least 1, that brings the largest difference to between a tenth and all of full scale.
+fn amplification(largest: f64) -> f64 {
+    if largest > 0.0 {
+        10.0f64.powf((1.0 / largest).log10().floor()).max(1.0)
+    } else {
+        1.0
+    }
+}
+
+/// The largest absolute difference of a pixel's channels, amplified, as grey.
+fn difference(picture: &Picture, truth: &Picture, amplification: f32) -> Picture {
+    let pixel = |(a, b): (&[f32; 4], &[f32; 4])| {
+        let channels = a.iter().zip(b).map(|(x, y)| (x - y).abs());
+        let grey = (channels.fold(0.0, f32::max) * amplification).min(1.0);
+        [grey, grey, grey, 1.0]
+    };
+    Picture {
+        size: picture.size,
+        rgba: picture.rgba.iter().zip(&truth.rgba).map(pixel).collect(),
+    }
+}
+
+fn png(picture: &Picture) -> String {
+    STANDARD.encode(output::png_bytes(picture, PngEncoding::default()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_amplified_by_powers_of_ten_to_full_scale_at_most() {
+        for (largest, expected) in [
+            (0.3, 1.0),
+            (0.03, 10.0),
+            (0.1, 10.0),
+            (7e-5, 1e4),
+            (0.0, 1.0),
+            (2.0, 1.0),
+        ] {
+            assert_eq!(amplification(largest), expected, "{largest}");
+        }
+    }
+}

@@ -1,0 +1,236 @@
+//! The page: one file, escaped by its template, that asks nothing of any network.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::figure::Figure;
+use super::model::Model;
+use super::number::short;
+use super::svg;
+use super::tables::{Row, Table};
+use crate::measure::suite::{PictureRecord, Results, What};
+
+const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
+
+/// Nothing but what the page holds itself.
+const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
+
+/// What the page shows besides the charts.
+pub(super) struct Tables {
+    pub(super) splits: Vec<Table>,
+    pub(super) modes: Option<Table>,
+    pub(super) structures: Option<Table>,
+    pub(super) everything: Table,
+}
+
+pub(super) fn page(model: &Model, figures: &[Figure], tables: &Tables) -> Markup {
+    let of = |prefix: &str| -> Vec<&Figure> {
+        figures
+            .iter()
+            .filter(|f| f.id.starts_with(prefix))
+            .collect()
+    };
+    let growth: Vec<&Figure> = [of("volume-size"), of("image-size")].concat();
+    let blocks: Vec<&Figure> = [of("blocks"), of("memory")].concat();
+    let title = model
+        .results
+        .first()
+        .map_or("hollowcast", |r| r.header.suite.as_str());
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                link rel="icon" href="data:,";
+                title { "hollowcast: " (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { "Speed against accuracy: " (title) }
+                    p { "Measured by hollowcast. Under every chart and table are the commands that measure its numbers again; \
+                         a point of a chart tells its own when it is pointed at or tapped." }
+                }
+                main {
+                    (section("on", "What it was measured on", html! { @for (i, one) in model.results.iter().enumerate() { (header(one, i, model.results.len())) } (lossless(model)) }))
+                    (charts("error", "Error over time", &of("pareto")))
+                    @if !tables.splits.is_empty() {
+                        (section("paper", "The half-splitting paper's tables", html! {
+                            p { "Yu et al. 2016 measured 256x256x256 voxels on a GeForce GT 635M. Another machine's milliseconds cannot \
+                                 be compared; ratios can." }
+                            @for one in &tables.splits { (table(one)) }
+                        }))
+                    }
+                    @if let Some(modes) = &tables.modes { (section("by-mode", "Modes", table(modes))) }
+                    (charts("growth", "Growth", &growth))
+                    (charts("by-block", "Blocks", &blocks))
+                    (charts("work", "Work", &of("samples")))
+                    @if let Some(structures) = &tables.structures { (section("by-structure", "Structures", table(structures))) }
+                    (pictures(model))
+                    (section("cases", "Every case", html! { details { summary { (tables.everything.rows.len()) " cases" } (table(&tables.everything)) } }))
+                }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    }
+}
+
+fn section(id: &str, title: &str, content: impl maud::Render) -> Markup {
+    html! { section id=(id) { h2 { (title) } (content) } }
+}
+
+fn charts(id: &str, title: &str, figures: &[&Figure]) -> Markup {
+    html! {
+        @if !figures.is_empty() {
+            (section(id, title, html! { @for figure in figures { (svg::figure(figure)) } }))
+        }
+    }
+}
+
+/// Machine, adapters, versions, and what was missing.
+fn header(results: &Results, place: usize, of: usize) -> Markup {
+    let header = &results.header;
+    let machine = &header.machine;
+    html! {
+        dl {
+            @if of > 1 { dt { "results" } dd { (place + 1) } }
+            dt { "suite" } dd { (header.suite) " (" (header.suite_hash) "), " (results.cases.len()) " cases" }
+            dt { "machine" } dd { (machine.cpu) ", " (machine.cores) " threads, " (machine.os) }
+            @for adapter in &header.adapters {
+                dt { (adapter.asked) }
+                dd { (adapter.name) " " (adapter.driver) @if adapter.is_software { " (software)" } }
+            }
+            @for (name, reason) in &header.missing { dt { (name) } dd class="warn" { "left out: " (reason) } }
+            dt { "program" }
+            dd { "hollowcast " (machine.hollowcast) @if let Some(commit) = &machine.commit { ", commit " (commit) } @if let Some(wgpu) = &machine.wgpu { ", wgpu " (wgpu) } }
+            @for scene in &results.scenes {
+                dt { (scene.name) }
+                dd {
+                    (scene.title) ": " (scene.stand_in.as_ref().unwrap_or(&scene.volume)) ", "
+                    (scene.dims[0]) " x " (scene.dims[1]) " x " (scene.dims[2])
+                    @if let Some(phantom) = &scene.stand_in {
+                        span class="warn" { " \u{2014} " (scene.volume) " was missing: " (phantom) " stands in for it" }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// What was found of the promise that lossless methods keep.
+fn lossless(model: &Model) -> Markup {
+    let lossless = || model.cases.iter().filter(|c| c.record.lossless);
+    let differing: u64 = lossless().map(|c| c.record.differing_pixels_vs_box).sum();
+    html! {
+        p class=(if differing == 0 { "good" } else { "warn" }) {
+            "Of " (lossless().count()) " cases of lossless methods, "
+            @if differing == 0 { "no pixel differs from box's in any bit." }
+            @else { (differing) " pixels differ from box's." }
+        }
+    }
+}
+
+/// A table, and the commands of its rows.
+fn table(table: &Table) -> Markup {
+    html! {
+        div class="table" id=(table.id) {
+            h3 { (table.title) }
+            div class="scroll" {
+                table {
+                    thead { tr { @for name in &table.head { th { (name) } } } }
+                    tbody { @for row in &table.rows { (table_row(row)) } }
+                }
+            }
+            @if !table.note.is_empty() { p class="note" { (table.note) } }
+            details class="commands" {
+                summary { "Commands" }
+                @for row in table.rows.iter().filter(|r| !r.commands.is_empty()) {
+                    p { (row.cells.iter().take(3).cloned().collect::<Vec<_>>().join(", ")) }
+                    @for command in &row.commands { pre { (command) } }
+                }
+            }
+        }
+    }
+}
+
+fn table_row(row: &Row) -> Markup {
+    html! {
+        tr class=[row.is_published.then_some("published")] {
+            @for cell in &row.cells {
+                td class=[cell.starts_with(|c: char| c.is_ascii_digit()).then_some("n")] { (cell) }
+            }
+        }
+    }
+}
+
+/// What methods draw, row by row.
+fn pictures(model: &Model) -> Markup {
+    let mut sets: Vec<Vec<(&Results, &PictureRecord)>> = Vec::new();
+    for results in model.results {
+        for picture in &results.pictures {
+            let is_same = |o: &PictureRecord| {
+                (&o.scene, &o.backend, &o.step, o.size)
+                    == (
+                        &picture.scene,
+                        &picture.backend,
+                        &picture.step,
+                        picture.size,
+                    )
+            };
+            match sets
+                .iter_mut()
+                .find(|s| std::ptr::eq(s[0].0, results) && is_same(s[0].1))
+            {
+                Some(set) => set.push((results, picture)),
+                None => sets.push(vec![(results, picture)]),
+            }
+        }
+    }
+    html! {
+        @if !sets.is_empty() {
+            (section("pictures", "Pictures", html! { @for set in &sets { (picture_set(set)) } }))
+        }
+    }
+}
+
+fn picture_set(set: &[(&Results, &PictureRecord)]) -> Markup {
+    let (results, first) = set[0];
+    let title = results
+        .scene(&first.scene)
+        .map_or(first.scene.as_str(), |s| s.title.as_str());
+    let of = |what: What| set.iter().map(|(_, p)| *p).filter(move |p| p.what == what);
+    let scale = |what: What| of(what).next().map_or(1.0, |p| p.scale);
+    html! {
+        h3 { (title) ", step " (first.step) ", " (first.backend) }
+        (row(of(What::Picture), "Pictures", "What is drawn; the first is the truth, the converged picture."))
+        (row(of(What::Difference), "Differences from the truth",
+            &format!("Largest absolute difference of a pixel's channels, times {}: white is {} and more.", short(scale(What::Difference)), short(1.0 / scale(What::Difference)))))
+        (row(of(What::Samples), "Samples per pixel",
+            &format!("Black is none, the brightest {}.", short(scale(What::Samples)))))
+    }
+}
+
+fn row<'a>(pictures: impl Iterator<Item = &'a PictureRecord>, title: &str, note: &str) -> Markup {
+    let pictures: Vec<&PictureRecord> = pictures.collect();
+    html! {
+        @if !pictures.is_empty() {
+            h4 { (title) }
+            div class="pictures" {
+                @for picture in &pictures {
+                    figure {
+                        img src=(format!("data:image/png;base64,{}", picture.png)) alt=(format!("{title}: {}", picture.method)) title=(picture.command) width=(picture.size[0]) height=(picture.size[1]);
+                        figcaption { (picture.method) }
+                    }
+                }
+            }
+            p class="note" { (note) }
+            details class="commands" {
+                summary { "Commands" }
+                @for picture in &pictures { pre { (picture.command) } }
+            }
+        }
+    }
+}
