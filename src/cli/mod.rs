@@ -11,6 +11,7 @@ mod progress;
 mod render;
 mod report;
 mod scene_args;
+mod stability;
 mod table;
 mod tune;
 mod values;
@@ -34,6 +35,7 @@ Examples:
   hollowcast compare scan.nii.gz --steps 0.002u,0.005u,0.01u --json > rows.json
   hollowcast tune scan.nrrd                                the fastest method, blocks and cuts, as a profile for render
   hollowcast verify scan.nrrd                              does skipping change one bit?
+  hollowcast stability                                     where does each method fail?
   hollowcast phantom pot 256 -o pot.nrrd                   a test volume
 
 VOLUME is a file (NRRD, MetaImage, NIfTI, raw) or phantom:NAME:SIZE.
@@ -53,6 +55,7 @@ enum Command {
     Compare(compare::Args),
     Tune(tune::Args),
     Verify(verify::Args),
+    Stability(stability::Args),
     Info(info::Args),
     Phantom(phantom::Args),
     Demo(demo::Args),
@@ -78,6 +81,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Compare(args) => compare::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Verify(args) => verify::run(&args),
+        Command::Stability(args) => stability::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Phantom(args) => phantom::run(&args),
         Command::Demo(args) => demo::run(&args),

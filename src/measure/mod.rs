@@ -4,6 +4,7 @@ pub mod compare;
 pub mod metrics;
 pub mod profile;
 pub mod race;
+pub mod stability;
 pub mod statistics;
 pub mod tune;
 pub mod verify;
