@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::scenery::Frame;
 use crate::camera::Projection;
 use crate::error::Result;
+use crate::lattice::{EDGE, PARALLEL};
 use crate::mode::emission_absorption::State;
 use crate::sample::{cell, trilinear};
 use crate::scene::Picture;
@@ -24,7 +25,7 @@ pub(super) fn draw(volume: &Volume, frame: &Frame) -> Result<Picture> {
     let table = frame.transfer.bake(&domain, settings.step_voxels);
     let [width, height] = settings.size.map(|n| n as usize);
     let mut rgba = vec![[0.0; 4]; width * height];
-    let rays = Rays::new(frame);
+    let rays = Rays::new(volume, frame)?;
     with_voxels!(&volume.voxels, voxels => {
         let value = |at: Vec3| {
             let [x, y, z] = [0, 1, 2].map(|a| cell(at[a]));
@@ -40,7 +41,7 @@ pub(super) fn draw(volume: &Volume, frame: &Frame) -> Result<Picture> {
         };
         rgba.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
             for (x, pixel) in row.iter_mut().enumerate() {
-                *pixel = rays.march(x, y, volume, &table, settings.ert, &value);
+                *pixel = rays.march([x, y], volume, &table, settings.ert, &value);
             }
         });
     });
@@ -53,81 +54,77 @@ pub(super) fn draw(volume: &Volume, frame: &Frame) -> Result<Picture> {
 /// Rays of one picture, in f32 from the eye on.
 struct Rays {
     eye: Vec3,
-    right: Vec3,
-    down: Vec3,
+    /// Change of the start, and of the direction before it is normalised, per pixel to the right and downwards.
+    start: [Vec3; 2],
+    direction: [Vec3; 2],
     forward: Vec3,
-    /// Whether right and down move the ray's direction, else its start.
-    spreads: bool,
     centre: [f32; 2],
     step: f32,
 }
 
 impl Rays {
-    fn new(frame: &Frame) -> Self {
+    fn new(volume: &Volume, frame: &Frame) -> Result<Self> {
         let settings = &frame.settings;
         let camera = &settings.camera;
-        let forward = camera.forward();
-        let right = forward.cross(camera.up).normalize_or(DVec3::X);
-        let height = f64::from(settings.size[1]);
-        let (scale, spreads) = match camera.projection {
-            Projection::Perspective { fov_y_degrees } => (
-                (fov_y_degrees.to_radians() * 0.5).tan() * 2.0 / height,
-                true,
-            ),
-            Projection::Orthographic { height: edge } => (edge / height, false),
+        let rays = camera.ray_frame(volume, settings.size, settings.step_voxels)?;
+        let start = match camera.projection {
+            Projection::Perspective { .. } => [DVec3::ZERO; 2],
+            Projection::Orthographic { .. } => [rays.start_dx, rays.start_dy],
         };
-        Self {
+        Ok(Self {
             eye: camera.eye.as_vec3(),
-            right: (right * scale).as_vec3(),
-            down: (forward.cross(right) * scale).as_vec3(),
-            forward: forward.as_vec3(),
-            spreads,
+            start: start.map(|v| v.as_vec3()),
+            direction: [rays.dir_dx, rays.dir_dy].map(|v| v.as_vec3()),
+            forward: rays.dir.as_vec3(),
             centre: settings.size.map(|n| n as f32 * 0.5 - 0.5),
             step: settings.step_voxels as f32,
-        }
+        })
     }
 
     fn march(
         &self,
-        x: usize,
-        y: usize,
+        [x, y]: [usize; 2],
         volume: &Volume,
         table: &Table,
         ert: f32,
         value: &impl Fn(Vec3) -> f32,
     ) -> [f32; 4] {
-        let across =
-            self.right * (x as f32 - self.centre[0]) + self.down * (y as f32 - self.centre[1]);
-        let (start, direction) = if self.spreads {
-            (self.eye, (self.forward + across).normalize())
-        } else {
-            (self.eye + across, self.forward)
-        };
+        let [px, py] = [x as f32 - self.centre[0], y as f32 - self.centre[1]];
+        let start = self.eye + self.start[0] * px + self.start[1] * py;
+        let direction = self.forward + self.direction[0] * px + self.direction[1] * py;
+        let direction = direction.normalize();
+        // What counts as parallel, and as in front of the eye, is the lattice's rule: only lengths differ.
+        let direction = Vec3::select(
+            direction.abs().cmplt(Vec3::splat(PARALLEL as f32)),
+            Vec3::ZERO,
+            direction,
+        );
         let extent = volume.extent().as_vec3();
         let grid_from_local = (1.0 / volume.voxel_size()).as_vec3();
-        let (t0, t1) = (
-            (Vec3::ZERO - start) / direction,
-            (extent - start) / direction,
-        );
-        // Rays in a plane of the box divide zero by zero; `min` and `max` leave such numbers out.
-        let entry = t0.min(t1).max_element();
-        let exit = t0.max(t1).min_element();
-        let samples = ((exit - entry) / self.step - 0.5).ceil().max(0.0) as u32;
-        let mut state = State::init();
-        let domain = table.domain();
-        for k in 0..samples {
-            let t = entry + (k as f32 + 0.5) * self.step;
-            if t < 0.0 {
-                continue;
+        let [t0, t1] = [Vec3::ZERO, extent].map(|plane| (plane - start) / direction);
+        let (mut entry, mut exit) = (f32::NEG_INFINITY, f32::INFINITY);
+        for a in 0..3 {
+            if direction[a] != 0.0 {
+                entry = entry.max(t0[a].min(t1[a]));
+                exit = exit.min(t0[a].max(t1[a]));
+            } else if start[a] < 0.0 || extent[a] < start[a] {
+                return [0.0; 4];
             }
+        }
+        let margin = 0.5 + EDGE as f32;
+        let first = (-entry / self.step - margin).ceil().max(0.0) as u32;
+        let end = ((exit - entry) / self.step - margin).ceil().max(0.0) as u32;
+        let mut state = State::init();
+        let (domain, rgba) = (table.domain(), table.rgba());
+        for k in first..end {
+            let t = entry + (k as f32 + 0.5) * self.step;
             let x = (value((start + t * direction) * grid_from_local) - domain.origin as f32)
                 * domain.scale as f32;
-            let (lower, fraction) = lookup(x, table.rgba().len() as f32, domain.snap() as f32);
+            let (lower, fraction) = lookup(x, rgba.len() as f32, domain.snap() as f32);
             let i = lower as usize;
-            let [a, b] = [i, (i + 1).min(table.rgba().len() - 1)].map(|i| table.rgba()[i]);
-            let color = std::array::from_fn(|c| a[c] + fraction * (b[c] - a[c]));
-            state.add(color);
-            if ert < 1.0 && state.done(ert) {
+            let [a, b] = [i, (i + 1).min(rgba.len() - 1)].map(|i| rgba[i]);
+            state.add(std::array::from_fn(|c| a[c] + fraction * (b[c] - a[c])));
+            if ert < 1.0 && state.rgba[3] > 0.0 && state.done(ert) {
                 break;
             }
         }
