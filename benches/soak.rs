@@ -65,7 +65,9 @@ fn table(random: &mut Random) -> Result<TransferFunction> {
 }
 
 fn main() -> Result<()> {
-    let frames = std::env::args().find_map(|a| a.parse().ok()).unwrap_or(10_000);
+    let frames = std::env::args()
+        .find_map(|a| a.parse().ok())
+        .unwrap_or(10_000);
     let warm_up = WARM_UP.min(frames / 5);
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut renderer = Renderer::new(BackendChoice::Gpu)?;
@@ -108,7 +110,11 @@ fn main() -> Result<()> {
                 skip: Skip::Box,
                 ..settings
             };
-            let differing = renderer.render(&by_box)?.picture.difference(&picture).pixels;
+            let differing = renderer
+                .render(&by_box)?
+                .picture
+                .difference(&picture)
+                .pixels;
             ensure!(
                 differing == 0,
                 "frame {frame}: {differing} pixels differ from box: {settings:?}"
@@ -126,7 +132,11 @@ fn main() -> Result<()> {
             warm >> 20,
             now >> 20
         );
-        ensure!(grown <= MAX_GROWTH_BYTES, "memory grew by {} MiB", grown >> 20);
+        ensure!(
+            grown <= MAX_GROWTH_BYTES,
+            "memory grew by {} MiB",
+            grown >> 20
+        );
     }
     Ok(())
 }

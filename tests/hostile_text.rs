@@ -7,12 +7,33 @@ use proptest::prelude::*;
 
 const TABLE: &str = "reference_length_voxels = 1.0\npoints = [\n    { value = 40.0, opacity = 0.0, color = [0.9, 0.6, 0.4] },\n    \
                      { value = 255.0, opacity = 0.3, color = [1.0, 0.9, 0.8] },\n]\n";
-const PROFILE: &str = "backend = \"cpu\"\nmethod = \"half-split\"\nblock = 8\ncut = \"best\"\ncuts = \"auto\"\n";
+const PROFILE: &str =
+    "backend = \"cpu\"\nmethod = \"half-split\"\nblock = 8\ncut = \"best\"\ncuts = \"auto\"\n";
 
 /// What stands in files that nobody wrote by hand.
 const ODD: &[&str] = &[
-    "nan", "inf", "-inf", "1e400", "-1e308", "1e-320", "-0.0", "9223372036854775807", "[", "]", "{", "\"", "\n", "=", "\u{0}",
-    "\u{202e}", "points", "true", "1979-05-27", "block = 64", "''' ", "#",
+    "nan",
+    "inf",
+    "-inf",
+    "1e400",
+    "-1e308",
+    "1e-320",
+    "-0.0",
+    "9223372036854775807",
+    "[",
+    "]",
+    "{",
+    "\"",
+    "\n",
+    "=",
+    "\u{0}",
+    "\u{202e}",
+    "points",
+    "true",
+    "1979-05-27",
+    "block = 64",
+    "''' ",
+    "#",
 ];
 
 /// Replaces a range of the text by something odd.

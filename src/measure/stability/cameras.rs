@@ -14,55 +14,55 @@ pub(super) const HAZARDS: &[Hazard] = &[
         name: "eye-in-cavity",
         group: 1,
         about: "the camera stands in the emptiness inside the object",
-        make: || at(|n| DVec3::splat(n * 0.5 + 0.3)),
+        make: || Ok(at(|n| DVec3::splat(n * 0.5 + 0.3))),
     },
     Hazard {
         name: "eye-in-wall",
         group: 1,
         about: "the camera stands in matter: rays begin inside an active block",
-        make: || at(|n| DVec3::new(3.4, n * 0.5 + 0.2, n * 0.5 - 0.7)),
+        make: || Ok(at(|n| DVec3::new(3.4, n * 0.5 + 0.2, n * 0.5 - 0.7))),
     },
     Hazard {
         name: "eye-on-cut",
         group: 1,
         about: "the camera stands on the plane that half-split cuts at",
-        make: || at(|n| DVec3::new(n * 0.5, n * 0.5, n * 0.5)),
+        make: || Ok(at(|n| DVec3::new(n * 0.5, n * 0.5, n * 0.5))),
     },
     Hazard {
         name: "eye-on-block-face",
         group: 1,
         about: "the camera stands on the face between two leaf blocks",
-        make: || at(|n| DVec3::new(8.0, n * 0.5 + 0.4, 12.0)),
+        make: || Ok(at(|n| DVec3::new(8.0, n * 0.5 + 0.4, 12.0))),
     },
     Hazard {
         name: "eye-on-block-corner",
         group: 1,
         about: "the camera stands where eight leaf blocks meet, half of them active",
-        make: || at(|_| DVec3::splat(4.0)),
+        make: || Ok(at(|_| DVec3::splat(4.0))),
     },
     Hazard {
         name: "eye-at-voxel-centre",
         group: 1,
         about: "the camera stands at a voxel's centre: samples lie exactly on the near plane",
-        make: || at(|n| DVec3::new(8.5, n * 0.5 + 0.5, n * 0.5 + 0.5)),
+        make: || Ok(at(|n| DVec3::new(8.5, n * 0.5 + 0.5, n * 0.5 + 0.5))),
     },
     Hazard {
         name: "eye-at-box-corner",
         group: 1,
         about: "the camera stands at a corner of the box",
-        make: || at(|n| DVec3::new(0.0, n, 0.0)),
+        make: || Ok(at(|n| DVec3::new(0.0, n, 0.0))),
     },
     Hazard {
         name: "eye-on-box-face",
         group: 1,
         about: "the camera stands on a face of the box",
-        make: || at(|n| DVec3::new(n * 0.5, 0.0, n * 0.5 + 0.25)),
+        make: || Ok(at(|n| DVec3::new(n * 0.5, 0.0, n * 0.5 + 0.25))),
     },
     Hazard {
         name: "eye-near-wall",
         group: 1,
         about: "the camera stands 10^-3 voxel before the first voxel of a wall",
-        make: || at(|n| DVec3::new(1.5 - 1e-3, n * 0.5 + 0.1, n * 0.5)),
+        make: || Ok(at(|n| DVec3::new(1.5 - 1e-3, n * 0.5 + 0.1, n * 0.5))),
     },
     Hazard {
         name: "eye-far",
@@ -113,7 +113,7 @@ fn shells(n: usize) -> Result<Volume> {
 }
 
 /// A case with a ball in it, looked at from one place into all directions. No block size divides its edge.
-fn at(eye: fn(f64) -> DVec3) -> Result<Scenery> {
+fn at(eye: fn(f64) -> DVec3) -> Scenery {
     let n = 30;
     let volume = carved("case with a ball", n, |at| {
         let depth = at.iter().map(|&i| i.min(n - 1 - i)).min().unwrap_or(0);
@@ -124,7 +124,7 @@ fn at(eye: fn(f64) -> DVec3) -> Result<Scenery> {
     let cameras = cameras
         .into_iter()
         .chain(DIRECTIONS.map(|d| parallel(eye, d, 20.0)));
-    Ok(Scenery::new(volume, cameras.collect::<Vec<_>>()))
+    Scenery::new(volume, cameras.collect::<Vec<_>>())
 }
 
 fn far(volume: fn(usize) -> Result<Volume>, fov_y_degrees: f64) -> Result<Scenery> {

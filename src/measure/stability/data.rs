@@ -51,19 +51,19 @@ pub(super) const HAZARDS: &[Hazard] = &[
         name: "shells-2-to-16-walls",
         group: 6,
         about: "nested shells that a ray crosses 2, 4, 8 and 16 walls of",
-        make: || nested(16),
+        make: || Ok(nested(16)),
     },
     Hazard {
         name: "shells-8-walls",
         group: 6,
         about: "nested shells that a ray crosses 8 walls of",
-        make: || nested(8),
+        make: || Ok(nested(8)),
     },
     Hazard {
         name: "shells-2-walls",
         group: 6,
         about: "a shell that a ray crosses 2 walls of",
-        make: || nested(2),
+        make: || Ok(nested(2)),
     },
     Hazard {
         name: "spiral",
@@ -138,9 +138,9 @@ fn named(name: &str) -> Result<Scenery> {
         .for_each([4, 8], |frame, &block| frame.settings.block = block))
 }
 
-fn nested(walls: usize) -> Result<Scenery> {
+fn nested(walls: usize) -> Scenery {
     let scenery = Scenery::from_outside(shells(48, walls));
-    Ok(scenery
+    scenery
         .through(&ramp(40.0, 255.0, 0.05))
-        .for_each([2, 4], |frame, &block| frame.settings.block = block))
+        .for_each([2, 4], |frame, &block| frame.settings.block = block)
 }

@@ -73,8 +73,8 @@ impl Rays {
         };
         Ok(Self {
             eye: camera.eye.as_vec3(),
-            start: start.map(|v| v.as_vec3()),
-            direction: [rays.dir_dx, rays.dir_dy].map(|v| v.as_vec3()),
+            start: start.map(DVec3::as_vec3),
+            direction: [rays.dir_dx, rays.dir_dy].map(DVec3::as_vec3),
             forward: rays.dir.as_vec3(),
             centre: settings.size.map(|n| n as f32 * 0.5 - 0.5),
             step: settings.step_voxels as f32,

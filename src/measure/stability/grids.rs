@@ -82,7 +82,10 @@ pub(super) const HAZARDS: &[Hazard] = &[
         about: "voxels of 0 and 65535",
         make: || {
             let voxels = ball(|f| (f * 65535.0).round() as u16);
-            stored(Voxels::U16(voxels.into()), &ramp(9000.0, 65535.0, 0.3))
+            Ok(stored(
+                Voxels::U16(voxels.into()),
+                &ramp(9000.0, 65535.0, 0.3),
+            ))
         },
     },
     Hazard {
@@ -91,7 +94,10 @@ pub(super) const HAZARDS: &[Hazard] = &[
         about: "voxels of -32768 and 32767",
         make: || {
             let voxels = ball(|f| (f * 65535.0 - 32768.0).round() as i16);
-            stored(Voxels::I16(voxels.into()), &ramp(-20000.0, 32767.0, 0.3))
+            Ok(stored(
+                Voxels::I16(voxels.into()),
+                &ramp(-20000.0, 32767.0, 0.3),
+            ))
         },
     },
     Hazard {
@@ -185,20 +191,20 @@ fn spaced(spacing: DVec3, dims: [usize; 3]) -> Result<Scenery> {
 }
 
 /// Through tables of every size.
-fn stored(voxels: Voxels, transfer: &TransferFunction) -> Result<Scenery> {
+fn stored(voxels: Voxels, transfer: &TransferFunction) -> Scenery {
     sized(volume("numbers", [EDGE; 3], voxels), transfer)
 }
 
-fn sized(volume: Volume, transfer: &TransferFunction) -> Result<Scenery> {
-    Ok(Scenery::from_outside(volume)
+fn sized(volume: Volume, transfer: &TransferFunction) -> Scenery {
+    Scenery::from_outside(volume)
         .through(transfer)
-        .for_each(TABLE_SIZES, |frame, &n| frame.settings.table_entries = n))
+        .for_each(TABLE_SIZES, |frame, &n| frame.settings.table_entries = n)
 }
 
 /// Floats as a file would bring them.
 fn loaded(voxels: Vec<f32>, transfer: &TransferFunction) -> Result<Scenery> {
     let nothing = volume("floats", [EDGE; 3], Voxels::F32(Vec::new().into()));
-    sized(nothing.with_floats(voxels)?, transfer)
+    Ok(sized(nothing.with_floats(voxels)?, transfer))
 }
 
 fn not_finite() -> Result<Scenery> {

@@ -6,7 +6,6 @@ use super::Hazard;
 use super::scenery::{Scenery, looking, parallel};
 use super::volumes::{carved, radius};
 use crate::camera::Camera;
-use crate::error::Result;
 use crate::lattice::PARALLEL;
 use crate::volume::Volume;
 
@@ -27,19 +26,19 @@ pub(super) const HAZARDS: &[Hazard] = &[
         name: "negative-zero",
         group: 2,
         about: "direction components are exactly 0 and -0, in perspective too",
-        make: negative_zero,
+        make: || Ok(negative_zero()),
     },
     Hazard {
         name: "almost-parallel",
         group: 2,
         about: "rays tilted by 10^-6 to 10^-13, around the limit from which on they count as parallel",
-        make: almost_parallel,
+        make: || Ok(almost_parallel()),
     },
     Hazard {
         name: "along-the-cut",
         group: 2,
         about: "rays lie in the plane that half-split cuts at, or cross it at a thousandth of a degree",
-        make: along_the_cut,
+        make: || Ok(along_the_cut()),
     },
     Hazard {
         name: "through-edges",
@@ -57,7 +56,7 @@ pub(super) const HAZARDS: &[Hazard] = &[
         name: "grazing",
         group: 2,
         about: "rays graze the faces of the box",
-        make: grazing,
+        make: || Ok(grazing()),
     },
 ];
 
@@ -86,7 +85,7 @@ fn along_axes(offset: f64) -> Vec<Camera> {
     cameras.collect()
 }
 
-fn negative_zero() -> Result<Scenery> {
+fn negative_zero() -> Scenery {
     let n = N as f64;
     let eye = DVec3::new(-40.0, n * 0.5, n * 0.5);
     let mut cameras = vec![
@@ -109,20 +108,20 @@ fn negative_zero() -> Result<Scenery> {
             ..parallel(eye, DVec3::Z, 45.0)
         });
     }
-    Ok(Scenery::new(object(), cameras))
+    Scenery::new(object(), cameras)
 }
 
-fn almost_parallel() -> Result<Scenery> {
+fn almost_parallel() -> Scenery {
     let middle = DVec3::splat(N as f64 * 0.5);
     let tilts = [1e-6, 1e-9, 2.0 * PARALLEL, PARALLEL, 0.5 * PARALLEL, 1e-13];
     let cameras = tilts.iter().flat_map(|&tilt| {
         [DVec3::new(1.0, tilt, -tilt), DVec3::new(-tilt, tilt, -1.0)]
             .map(|forward| parallel(middle - forward * 40.0, forward, 45.0))
     });
-    Ok(Scenery::new(object(), cameras.collect::<Vec<_>>()))
+    Scenery::new(object(), cameras.collect::<Vec<_>>())
 }
 
-fn along_the_cut() -> Result<Scenery> {
+fn along_the_cut() -> Scenery {
     let n = N as f64;
     let middle = DVec3::splat(n * 0.5);
     let slight = 1e-3_f64.to_radians();
@@ -138,7 +137,7 @@ fn along_the_cut() -> Result<Scenery> {
             cameras.push(looking(middle, forward, 90.0));
         }
     }
-    Ok(Scenery::new(object(), cameras))
+    Scenery::new(object(), cameras)
 }
 
 /// Parallel and perspective rays along a diagonal, through whole coordinates.
@@ -165,7 +164,7 @@ fn diagonals(direction: DVec3) -> Vec<Camera> {
     cameras.collect()
 }
 
-fn grazing() -> Result<Scenery> {
+fn grazing() -> Scenery {
     let n = N as f64;
     let middle = DVec3::splat(n * 0.5);
     let mut cameras = Vec::new();
@@ -176,5 +175,5 @@ fn grazing() -> Result<Scenery> {
         let eye = DVec3::new(-30.0, middle.y, height);
         cameras.push(parallel(eye, DVec3::X, 45.0));
     }
-    Ok(Scenery::new(object(), cameras))
+    Scenery::new(object(), cameras)
 }

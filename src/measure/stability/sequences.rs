@@ -78,29 +78,29 @@ pub(super) const MOVEMENTS: &[Hazard] = &[
         name: "tiny-movements-outside",
         group: 4,
         about: "the camera moves by 10^-6 to 10^-2 of the box, outside",
-        make: || moving(DVec3::new(-20.0, -30.0, 40.0), 45.0),
+        make: || Ok(moving(DVec3::new(-20.0, -30.0, 40.0), 45.0)),
     },
     Hazard {
         name: "tiny-movements-inside",
         group: 4,
         about: "the same inside the cavity",
-        make: || moving(DVec3::new(14.1, 17.3, 15.2), 75.0),
+        make: || Ok(moving(DVec3::new(14.1, 17.3, 15.2), 75.0)),
     },
     Hazard {
         name: "tiny-movements-through-a-wall",
         group: 4,
         about: "the same across the outside of a wall",
-        make: || moving(DVec3::new(1.999_99, 16.3, 15.2), 75.0),
+        make: || Ok(moving(DVec3::new(1.999_99, 16.3, 15.2), 75.0)),
     },
     Hazard {
         name: "tiny-movements-across-the-cut",
         group: 4,
         about: "the same across the plane of the cut, a block's face and a voxel's centre",
-        make: || moving(DVec3::splat(16.0 - 1e-6), 75.0),
+        make: || Ok(moving(DVec3::splat(16.0 - 1e-6), 75.0)),
     },
 ];
 
-fn moving(eye: DVec3, fov: f64) -> Result<Scenery> {
+fn moving(eye: DVec3, fov: f64) -> Scenery {
     let n = 32;
     let volume = carved("case with a ball", n, |at| {
         let depth = at.iter().map(|&i| i.min(n - 1 - i)).min().unwrap_or(0);
@@ -118,7 +118,7 @@ fn moving(eye: DVec3, fov: f64) -> Result<Scenery> {
         let moved = eye + DVec3::new(1.0, 1.0, 0.7) * (part * n as f64);
         looking(moved, forward, fov)
     });
-    Ok(Scenery::new(volume, cameras).in_sequence())
+    Scenery::new(volume, cameras).in_sequence()
 }
 
 pub(super) const CHANGES: &[Hazard] = &[
@@ -132,7 +132,7 @@ pub(super) const CHANGES: &[Hazard] = &[
         name: "view-between-frames",
         group: 9,
         about: "view, size, block, step and threshold change between frames, and back",
-        make: views_between_frames,
+        make: || Ok(views_between_frames()),
     },
 ];
 
@@ -150,7 +150,7 @@ fn tables_between_frames() -> Result<Scenery> {
     Ok(scenery.for_each(tables, |frame, table| frame.transfer = table.clone()))
 }
 
-fn views_between_frames() -> Result<Scenery> {
+fn views_between_frames() -> Scenery {
     let volume = shells(32, 6);
     let extent = volume.extent();
     let cameras = (0..8).map(|i| {
@@ -172,5 +172,5 @@ fn views_between_frames() -> Result<Scenery> {
     }
     let first = scenery.frames[0].clone();
     scenery.frames.push(first);
-    Ok(scenery)
+    scenery
 }
