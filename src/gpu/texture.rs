@@ -14,6 +14,8 @@ pub struct VolumeTexture {
     pub view: wgpu::TextureView,
     /// Whether the adapter filters its format.
     pub filterable: bool,
+    /// Its filter: linear where there is one. Kept, for drivers that give little back of what a frame makes anew.
+    pub filter: wgpu::Sampler,
     /// `stored = raw * stored_per_raw + stored_at_zero`.
     pub stored_per_raw: f64,
     /// Stored number of raw 0. Signed data is uploaded biased to unsigned: snorm maps two values to one.
@@ -97,9 +99,21 @@ impl VolumeTexture {
             Voxels::I16(v) => write(gpu, &texture, volume.dims, v, f32::from)?,
             Voxels::F32(v) => write(gpu, &texture, volume.dims, v, |s| s)?,
         }
+        let filterable = format != wgpu::TextureFormat::R32Float || filters_f32;
+        let mode = if filterable {
+            wgpu::FilterMode::Linear
+        } else {
+            wgpu::FilterMode::Nearest
+        };
         Ok(Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
-            filterable: format != wgpu::TextureFormat::R32Float || filters_f32,
+            filterable,
+            filter: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("volume"),
+                mag_filter: mode,
+                min_filter: mode,
+                ..Default::default()
+            }),
             stored_per_raw,
             stored_at_zero,
         })

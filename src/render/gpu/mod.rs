@@ -483,20 +483,6 @@ impl GpuBackend {
             );
             self.timer.resolve(&mut encoder, RASTER);
         }
-        let filter = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("volume"),
-            mag_filter: if volume.filterable {
-                wgpu::FilterMode::Linear
-            } else {
-                wgpu::FilterMode::Nearest
-            },
-            min_filter: if volume.filterable {
-                wgpu::FilterMode::Linear
-            } else {
-                wgpu::FilterMode::Nearest
-            },
-            ..Default::default()
-        });
         let scene_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("march scene"),
             layout: &self.march.scene_layout,
@@ -514,7 +500,7 @@ impl GpuBackend {
                 bind(3, target.as_entire_binding()),
                 bind(4, progress.as_entire_binding()),
                 bind(5, wgpu::BindingResource::TextureView(&volume.view)),
-                bind(6, wgpu::BindingResource::Sampler(&filter)),
+                bind(6, wgpu::BindingResource::Sampler(&volume.filter)),
                 bind(7, table.as_entire_binding()),
                 bind(8, mode.as_entire_binding()),
             ],
