@@ -34,12 +34,13 @@ pub struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// The accumulated opacity at which a ray stops; infinite where it never does.
+    /// The accumulated opacity at which a ray stops; infinite where it never does. Above zero: a threshold of 0 stops a
+    /// ray at the first sample that shows something, and not at the first that a method happens to take.
     pub fn ert_threshold(&self) -> f64 {
         if self.ert >= 1.0 {
             f64::INFINITY
         } else {
-            f64::from(self.ert)
+            f64::from(self.ert.max(f32::MIN_POSITIVE))
         }
     }
 }

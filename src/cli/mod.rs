@@ -18,6 +18,7 @@ mod render;
 mod report;
 mod scene_args;
 mod slice_args;
+mod stability;
 mod suite_words;
 mod table;
 mod truth;
@@ -48,6 +49,7 @@ Examples:
   hollowcast truth scan.nrrd -o truth.exr                  the picture that all tend to as the step goes to 0
   hollowcast verify scan.nrrd                              does skipping change one bit?
   hollowcast gallery scan.nrrd -o modes.png                every mode there is, on one sheet
+  hollowcast stability                                     where does each method fail?
   hollowcast bench benches/quick.toml -o results.jsonl     a suite of measurements
   hollowcast report results.jsonl -o report.html           and what they say, as a page
   hollowcast phantom pot 256 -o pot.nrrd                   a test volume
@@ -70,6 +72,7 @@ enum Command {
     Tune(tune::Args),
     Truth(truth::Args),
     Verify(verify::Args),
+    Stability(stability::Args),
     Bench(bench::Args),
     Report(bench_report::Args),
     Info(info::Args),
@@ -99,6 +102,7 @@ pub(crate) fn main() -> ExitCode {
         Command::Tune(args) => tune::run(&args),
         Command::Truth(args) => truth::run(&args),
         Command::Verify(args) => verify::run(&args),
+        Command::Stability(args) => stability::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Report(args) => bench_report::run(&args),
         Command::Info(args) => info::run(&args),

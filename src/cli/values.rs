@@ -121,8 +121,8 @@ pub(super) fn ert(text: &str) -> Result<f32, String> {
     }
     text.parse()
         .ok()
-        .filter(|&t| t > 0.0 && t <= 1.0)
-        .ok_or_else(|| "expected an opacity above 0 and up to 1, or off".to_owned())
+        .filter(|t| (0.0..=1.0).contains(t))
+        .ok_or_else(|| "expected an opacity from 0 to 1, or off".to_owned())
 }
 
 /// What stands behind the picture, in linear light; `None`: nothing, the picture stays transparent.

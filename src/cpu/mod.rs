@@ -315,11 +315,7 @@ fn draw_typed<V: Voxel, O: Pixel>(
         background: plan
             .background
             .map_or([f64::INFINITY, f64::NEG_INFINITY], |b| b.x()),
-        threshold: if scene.ert < 1.0 {
-            f64::from(scene.ert)
-        } else {
-            f64::INFINITY
-        },
+        threshold: scene.ert_threshold(),
         projection,
         skip: &plan.skipping,
         // Cells are of what the table shows.

@@ -124,20 +124,24 @@ impl KeptBuffer {
 /// [`Error::Gpu`] where the device was lost or cannot map memory.
 pub fn read_back<T: Pod>(gpu: &Gpu, source: &wgpu::Buffer, len: usize) -> Result<Vec<T>> {
     let size = (len * size_of::<T>()) as u64;
-    let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
-        label: Some("read back"),
-        size,
-        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-        mapped_at_creation: false,
-    });
-    let mut encoder = gpu
-        .device
-        .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+    // Of a device that is gone, nothing can be mapped.
+    let staging = gpu.checked(|| {
+        let staging = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("read back"),
+            size,
+            usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
         });
-    encoder.copy_buffer_to_buffer(source, 0, &staging, 0, size);
-    gpu.queue.submit([encoder.finish()]);
-    staging.map_async(wgpu::MapMode::Read, .., |_| {});
+        let mut encoder = gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
+                label: Some("read back"),
+            });
+        encoder.copy_buffer_to_buffer(source, 0, &staging, 0, size);
+        gpu.queue.submit([encoder.finish()]);
+        staging.map_async(wgpu::MapMode::Read, .., |_| {});
+        staging
+    })?;
     gpu.wait()?;
     let view = staging
         .get_mapped_range(..)

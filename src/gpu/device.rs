@@ -76,11 +76,11 @@ impl Gpu {
         let lost = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&lost);
         device.set_device_lost_callback(move |reason, message| {
-            // Dropping the device at the program's end is no loss.
+            // What the program itself destroys, at its end or before, is no news to it.
             if reason != wgpu::DeviceLostReason::Destroyed {
                 tracing::warn!("device lost: {message}");
-                flag.store(true, Ordering::Relaxed);
             }
+            flag.store(true, Ordering::Relaxed);
         });
         tracing::info!(adapter = info.name, driver = info.driver_info, backend = %info.backend, "device opened");
         Self {

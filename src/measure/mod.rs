@@ -9,6 +9,7 @@ pub mod machine;
 pub mod metrics;
 pub mod profile;
 pub mod race;
+pub mod stability;
 pub mod statistics;
 pub mod suite;
 pub mod truth;

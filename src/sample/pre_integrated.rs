@@ -23,7 +23,7 @@ pub const MOST_NODES: usize = 512;
 const MOST_PIECES: usize = 8;
 
 /// Optical depth of a piece: where an interval has less, it needs no other.
-const PIECE_DEPTH: f64 = 0.25;
+const PIECE_DEPTH: f64 = 0.0625;
 
 /// Optical depth of a step through what is opaque at any length: a hundredth of it still is, to f32's last bit but ten.
 const OPAQUE: f64 = 1024.0;
@@ -293,18 +293,20 @@ mod tests {
         let table = table(256, 1.5);
         let integrals = Integrals::new(&table);
         let ends = [0.0, 40.3, 51.0, 90.5, 91.0, 130.0, 203.7, 204.2, 255.0];
+        let mut worst: f64 = 0.0;
         for front in ends {
             for back in ends {
                 let ours = integrals.interval(front, back);
                 let truth = brute_force(&table, front, back);
-                for (ours, truth) in ours.iter().zip(truth) {
-                    assert!(
-                        (ours - truth).abs() < 2e-3,
-                        "{front} {back}: {ours} {truth}"
-                    );
+                for (c, (ours, truth)) in ours.iter().zip(truth).enumerate() {
+                    let off = (ours - truth).abs();
+                    // Opacity is exact; colours that change within a piece are mixed in it.
+                    assert!(c < 3 || off < 1e-6, "{front} {back}: {ours} {truth}");
+                    worst = worst.max(off);
                 }
             }
         }
+        assert!(worst < 2e-3, "colours are off by up to {worst}");
     }
 
     #[test]

@@ -177,7 +177,7 @@ impl Header {
             ));
         }
         let voxels = self.voxels(first, all == first)?;
-        Ok(Volume {
+        let volume = Volume {
             name: self.path.display().to_string(),
             dims,
             spacing: self.geometry.spacing,
@@ -186,7 +186,8 @@ impl Header {
             rescale: self.rescale,
             voxels,
             warnings: self.warnings,
-        })
+        };
+        Ok(volume.in_range_of_f32())
     }
 
     fn store<T: Element>(&self, count: usize, whole: bool) -> Result<Store<T>> {

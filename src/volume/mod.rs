@@ -6,6 +6,7 @@
 mod convert;
 mod edit;
 mod enclosed;
+mod floats;
 mod header;
 mod metaimage;
 mod nifti;

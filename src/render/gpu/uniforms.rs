@@ -30,11 +30,7 @@ pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch
         entries: domain.entries as f32,
         snap: domain.snap() as f32,
         // Never means never, even where a sample is opaque.
-        ert: if job.scene.ert >= 1.0 {
-            f32::MAX
-        } else {
-            job.scene.ert
-        },
+        ert: job.scene.ert_threshold().min(f64::from(f32::MAX)) as f32,
         segment_count: job.parts.len() as u32,
         near_mask,
         tile_count: dispatch.tile_count,

@@ -1,0 +1,290 @@
+//! Hazards drawn and judged.
+
+use super::contestant::Contestant;
+use super::scenery::{Judged, Scenery};
+use super::{Hazard, LOSSY_MAX_ABS, Row, SLOW, TRUTH_MAX_ABS, TRUTH_PSNR_DB, Verdict};
+use crate::error::{Error, Result};
+use crate::measure::metrics::metrics;
+use crate::measure::race::{Entrant, race};
+use crate::render::{BackendChoice, Renderer, Settings};
+use crate::scene::Picture;
+use crate::skip::Skip;
+
+/// Timed runs of every entrant.
+const ROUNDS: usize = 5;
+
+/// Draws hazards.
+pub struct Atlas {
+    renderers: Vec<Renderer>,
+    reference: Renderer,
+    contestants: Vec<Contestant>,
+}
+
+/// What one hazard made of all contestants.
+#[derive(Debug)]
+pub struct Found {
+    /// A row for each contestant on each backend, and one for each further backend against the first.
+    pub rows: Vec<Row>,
+    /// The worst picture that is not box's nor near enough to it.
+    pub worst: Option<Worst>,
+}
+
+/// A picture that went wrong.
+#[derive(Debug)]
+pub struct Worst {
+    /// Who drew it.
+    pub method: &'static str,
+    /// Where.
+    pub backend: String,
+    /// Largest difference of any channel from `expected`.
+    pub max_abs: f64,
+    /// The picture.
+    pub picture: Picture,
+    /// What it should be: box's, or the reference's where box is wrong.
+    pub expected: Picture,
+}
+
+/// One renderer's pictures of all frames by one contestant.
+type Pictures = Vec<Picture>;
+
+impl Atlas {
+    /// For these contestants, which box joins, on all renderers that have them.
+    ///
+    /// # Errors
+    /// As [`Renderer::new`].
+    pub fn new(renderers: Vec<Renderer>, contestants: &[Contestant]) -> Result<Self> {
+        let by_box = Contestant::Method(Skip::Box);
+        let others = contestants.iter().copied().filter(|&c| c != by_box);
+        Ok(Self {
+            renderers,
+            reference: Renderer::new(BackendChoice::Reference)?,
+            contestants: std::iter::once(by_box).chain(others).collect(),
+        })
+    }
+
+    /// Draws one hazard with all contestants on all renderers.
+    ///
+    /// # Errors
+    /// Whatever a renderer reports, with the hazard's name.
+    pub fn run(&mut self, hazard: &Hazard) -> Result<Found> {
+        self.try_run(hazard)
+            .map_err(|e| Error::Gpu(format!("{}: {e}", hazard.name)))
+    }
+
+    fn try_run(&mut self, hazard: &Hazard) -> Result<Found> {
+        let scenery = (hazard.make)()?;
+        self.reference.set_volume(scenery.volume.clone())?;
+        let by_box = Contestant::Method(Skip::Box);
+        let truth = pictures(by_box, &mut self.reference, &scenery)?;
+        let mut found = Found {
+            rows: Vec::new(),
+            worst: None,
+        };
+        let mut first: Option<(&'static str, Pictures)> = None;
+        for renderer in &mut self.renderers {
+            let backend = renderer.info().backend;
+            renderer.set_volume(scenery.volume.clone())?;
+            let boxes = pictures(by_box, renderer, &scenery)?;
+            let taking_part: Vec<Contestant> = self
+                .contestants
+                .iter()
+                .copied()
+                .filter(|c| c.is_on(renderer))
+                .collect();
+            let times = times(renderer, &scenery, &taking_part)?;
+            for (&contestant, time) in taking_part.iter().zip(times) {
+                let judge = Judge {
+                    hazard,
+                    contestant,
+                    backend,
+                    scenery: &scenery,
+                    boxes: &boxes,
+                    truth: &truth,
+                    time,
+                };
+                if contestant == by_box {
+                    found.add(judge.row(&boxes));
+                } else {
+                    found.add(judge.row(&pictures(contestant, renderer, &scenery)?));
+                }
+            }
+            match &first {
+                None => first = Some((backend, boxes)),
+                Some((other, pictures)) => {
+                    found
+                        .rows
+                        .push(between(hazard, [*other, backend], pictures, &boxes));
+                }
+            }
+        }
+        Ok(found)
+    }
+}
+
+impl Found {
+    fn add(&mut self, (row, worst): (Row, Worst)) {
+        let is_worse = self
+            .worst
+            .as_ref()
+            .is_none_or(|w| w.max_abs < worst.max_abs);
+        if row.verdict == Verdict::Wrong && is_worse {
+            self.worst = Some(worst);
+        }
+        self.rows.push(row);
+    }
+}
+
+fn pictures(
+    contestant: Contestant,
+    renderer: &mut Renderer,
+    scenery: &Scenery,
+) -> Result<Pictures> {
+    let frames = scenery.frames.iter();
+    frames
+        .map(|frame| contestant.draw(renderer, &scenery.volume, frame))
+        .collect()
+}
+
+/// Each contestant's time over box's, where time is asked for and it is a method.
+fn times(
+    renderer: &mut Renderer,
+    scenery: &Scenery,
+    contestants: &[Contestant],
+) -> Result<Vec<Option<f64>>> {
+    if scenery.judged != Judged::Timed {
+        return Ok(vec![None; contestants.len()]);
+    }
+    let [frame] = scenery.frames.as_slice() else {
+        return Err(Error::setting("frames", "one frame is timed at a time"));
+    };
+    renderer.set_transfer(frame.transfer.clone());
+    let entrants: Vec<Entrant> = contestants
+        .iter()
+        .filter_map(|c| c.settings(frame))
+        .map(|settings: Settings| Entrant {
+            renderer: 0,
+            views: vec![settings],
+        })
+        .collect();
+    let outcomes = race(
+        std::slice::from_mut(renderer),
+        &entrants,
+        ROUNDS,
+        &mut |_| (),
+    )?;
+    let mut frame_ms = outcomes.iter().map(|o| o.mean(|t| t.frame_ms));
+    let of_box = outcomes[0].mean(|t| t.frame_ms);
+    Ok(contestants
+        .iter()
+        .map(|c| c.settings(frame).and_then(|_| frame_ms.next()))
+        .map(|ms| ms.map(|ms| ms / of_box))
+        .collect())
+}
+
+/// All that a verdict is made of.
+struct Judge<'a> {
+    hazard: &'a Hazard,
+    contestant: Contestant,
+    backend: &'static str,
+    scenery: &'a Scenery,
+    boxes: &'a [Picture],
+    truth: &'a [Picture],
+    time: Option<f64>,
+}
+
+impl Judge<'_> {
+    fn row(&self, pictures: &[Picture]) -> (Row, Worst) {
+        let is_box = self.contestant == Contestant::Method(Skip::Box);
+        let mut differing_pixels = 0;
+        let mut max_abs = 0.0_f64;
+        let mut worst = (0.0, 0);
+        for (i, picture) in pictures.iter().enumerate() {
+            let difference = picture.difference(&self.boxes[i]);
+            differing_pixels += difference.pixels;
+            max_abs = max_abs.max(difference.max_abs);
+            let expected = if is_box { self.truth } else { self.boxes };
+            let off = picture.difference(&expected[i]).max_abs;
+            if off >= worst.0 {
+                worst = (off, i);
+            }
+        }
+        let truth = metrics(pictures.iter().zip(self.truth));
+        let in_sequence = self.scenery.judged == Judged::InSequence;
+        let change = in_sequence.then(|| largest_change(pictures));
+        let boxs_change = in_sequence.then(|| largest_change(self.boxes));
+        let pops = change
+            .zip(boxs_change)
+            .is_some_and(|(c, b)| c > b + LOSSY_MAX_ABS);
+        let is_near = truth.max_abs <= TRUTH_MAX_ABS && truth.psnr_db() >= TRUTH_PSNR_DB;
+        let is_finite = pictures
+            .iter()
+            .all(|p| p.rgba.as_flattened().iter().all(|c| c.is_finite()));
+        let is_right = is_finite
+            && !pops
+            && if is_box {
+                is_near
+            } else if self.contestant.is_lossless() {
+                differing_pixels == 0
+            } else {
+                max_abs <= LOSSY_MAX_ABS
+            };
+        let verdict = match self.time {
+            _ if !is_right => Verdict::Wrong,
+            Some(time) if time > SLOW => Verdict::Slow,
+            _ => Verdict::Ok,
+        };
+        let row = Row {
+            hazard: self.hazard.name,
+            group: self.hazard.group,
+            method: self.contestant.name(),
+            backend: self.backend.to_owned(),
+            lossless: self.contestant.is_lossless(),
+            verdict,
+            differing_pixels_vs_box: differing_pixels,
+            max_abs_diff_vs_box: max_abs,
+            error_vs_truth: Some(truth.max_abs),
+            time_vs_box: self.time,
+            change,
+            boxs_change,
+        };
+        let (off, i) = worst;
+        let expected = if is_box { self.truth } else { self.boxes };
+        let worst = Worst {
+            method: row.method,
+            backend: row.backend.clone(),
+            max_abs: off,
+            picture: pictures[i].clone(),
+            expected: expected[i].clone(),
+        };
+        (row, worst)
+    }
+}
+
+/// Largest change of any channel from one picture to the next.
+fn largest_change(pictures: &[Picture]) -> f64 {
+    let neighbours = pictures.windows(2);
+    neighbours
+        .map(|pair| pair[1].difference(&pair[0]).max_abs)
+        .fold(0.0, f64::max)
+}
+
+/// Box on one backend against box on another: group 10.
+fn between(hazard: &Hazard, backends: [&str; 2], a: &[Picture], b: &[Picture]) -> Row {
+    let apart = metrics(b.iter().zip(a));
+    let is_near = apart.max_abs <= TRUTH_MAX_ABS && apart.psnr_db() >= TRUTH_PSNR_DB;
+    let pairs = b.iter().zip(a);
+    Row {
+        hazard: hazard.name,
+        group: 10,
+        method: Skip::Box.method().name,
+        backend: backends.join(", "),
+        lossless: false,
+        verdict: if is_near { Verdict::Ok } else { Verdict::Wrong },
+        differing_pixels_vs_box: pairs.map(|(b, a)| b.difference(a).pixels).sum(),
+        max_abs_diff_vs_box: apart.max_abs,
+        error_vs_truth: None,
+        time_vs_box: None,
+        change: None,
+        boxs_change: None,
+    }
+}
