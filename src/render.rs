@@ -29,6 +29,9 @@ use self::structures::Structures;
 pub use self::auto::{BLOCKS, Choice, DEFAULT_BLOCK, MethodChoice};
 pub use self::gpu::Targets;
 
+#[cfg(feature = "viewer")]
+pub(crate) use self::cache::file as cache_file;
+
 /// Which backend to take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BackendChoice {

@@ -1,6 +1,6 @@
 //! Imports point one way: a file may use its own module and those of a lower rank, nothing else.
 //!
-//! The order is that of the design (cli, viewer -> measure -> render -> cpu, reference, skip, sample, mode -> gpu,
+//! The order is that of the design (cli -> viewer -> measure -> render -> cpu, reference, skip, sample, mode -> gpu,
 //! octree, transfer, camera -> volume -> error), with ranks of their own where modules of one group use one another.
 
 use std::fmt::Write as _;
@@ -23,7 +23,8 @@ const LAYERS: &[&[&str]] = &[
     // Picture files know pictures, not who drew them.
     &["render", "output"],
     &["measure"],
-    &["cli", "viewer"],
+    &["viewer"],
+    &["cli"],
 ];
 
 /// Names that other modules leave at the crate's root.

@@ -15,6 +15,8 @@ mod table;
 mod tune;
 mod values;
 mod verify;
+#[cfg(feature = "viewer")]
+mod view;
 mod volume_args;
 
 use std::io::{self, Write};
@@ -56,6 +58,8 @@ enum Command {
     Info(info::Args),
     Phantom(phantom::Args),
     Demo(demo::Args),
+    #[cfg(feature = "viewer")]
+    View(view::Args),
 }
 
 /// Runs the command that the process was started with.
@@ -81,6 +85,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Info(args) => info::run(&args),
         Command::Phantom(args) => phantom::run(&args),
         Command::Demo(args) => demo::run(&args),
+        #[cfg(feature = "viewer")]
+        Command::View(args) => view::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,0 +1,261 @@
+//! The window, driven as a user does: with a real worker, real volumes, and a picture at the end that the command line must
+//! draw again.
+
+mod offscreen;
+
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use eframe::egui::{Key, Modifiers, Pos2, Rect, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use hollowcast::render::MethodChoice;
+use hollowcast::skip::Skip;
+use hollowcast::viewer::session::Recent;
+use hollowcast::viewer::{App, Compare};
+
+use offscreen::Offscreen;
+
+type Window = Harness<'static, Option<App>>;
+
+fn stent() -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("data/stent.nrrd")
+        .display()
+        .to_string()
+}
+
+/// A window of this size with volumes open.
+fn window(size: [f32; 2], scale: f32, volumes: &[&str]) -> Window {
+    let mut window = Harness::builder()
+        .with_size(size)
+        .with_pixels_per_point(scale)
+        .renderer(Offscreen::new())
+        .with_render_cursor(false)
+        .build_ui_state(
+            |ui, app: &mut Option<App>| {
+                let open = || App::new(ui.ctx(), Recent::default()).unwrap();
+                app.get_or_insert_with(open).show(ui);
+            },
+            None,
+        );
+    for volume in volumes {
+        app(&mut window).open(volume);
+    }
+    settle(&mut window);
+    window
+}
+
+fn app(window: &mut Window) -> &mut App {
+    window.state_mut().as_mut().unwrap()
+}
+
+/// Lets time pass until all is drawn.
+fn settle(window: &mut Window) {
+    let start = Instant::now();
+    window.step();
+    loop {
+        window.step();
+        if app(window).is_at_rest() {
+            break;
+        }
+        let messages = app(window).messages();
+        assert!(!messages.iter().any(|m| m.0), "{messages:?}");
+        assert!(
+            start.elapsed() < Duration::from_secs(120),
+            "the window comes to rest"
+        );
+        std::thread::sleep(Duration::from_millis(15));
+    }
+    window.step();
+}
+
+/// Where the transfer function's points can be dragged.
+fn editor(window: &Window) -> Rect {
+    window
+        .get_by_label("opacity over values")
+        .rect()
+        .shrink2(vec2(8.0, 6.0))
+}
+
+fn drag(window: &mut Window, from: Pos2, to: Pos2) {
+    window.hover_at(from);
+    window.drag_at(from);
+    window.step();
+    for i in 1..=4u8 {
+        window.hover_at(from + (to - from) * (f32::from(i) / 4.0));
+        window.step();
+    }
+    window.drop_at(to);
+    window.step();
+}
+
+#[test]
+fn what_is_saved_is_what_the_copied_command_line_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = window([1000.0, 700.0], 1.0, &[&stent()]);
+
+    // A control point is dragged: the picture follows.
+    let before = app(&mut window).document().unwrap().look.transfer.clone();
+    let area = editor(&window);
+    let (at, i) = {
+        let document = app(&mut window).document().unwrap();
+        let i = before.points().len() - 1;
+        let point = before.points()[i];
+        let x = document.axes.x(point.value) as f32;
+        let y = document.axes.y(point.opacity) as f32;
+        (
+            area.left_bottom() + vec2(x * area.width(), -y * area.height()),
+            i,
+        )
+    };
+    drag(&mut window, at, at + vec2(-60.0, -30.0));
+    settle(&mut window);
+    let after = app(&mut window).document().unwrap().look.transfer.clone();
+    assert!(after.points()[i].opacity > before.points()[i].opacity + 0.1);
+    assert!(after.points()[i].value < before.points()[i].value);
+
+    // Another method is chosen from the list.
+    window.get_by_label("skip by").click_accesskit();
+    window.step();
+    window.get_by_label("beam-masks").click_accesskit();
+    settle(&mut window);
+    assert_eq!(app(&mut window).drawn().unwrap().skip, Skip::BeamMasks);
+
+    // Two ways are compared: they are the same to the bit.
+    app(&mut window).document_mut().unwrap().other.method = MethodChoice::Only(Skip::Box);
+    window.get_by_label("difference").click();
+    settle(&mut window);
+    assert_eq!(app(&mut window).shown.compare, Compare::Difference);
+    assert_eq!(app(&mut window).difference().map(|d| d.0), Some(0));
+
+    // A picture is saved, as numbers and as PNG, and the command draws the same files.
+    for name in ["picture.npy", "picture.png"] {
+        let saved = folder.path().join(name);
+        let drawn = folder.path().join(format!("again-{name}"));
+        app(&mut window)
+            .save_picture(saved.clone(), [120, 90], false)
+            .unwrap();
+        settle(&mut window);
+        let line = app(&mut window)
+            .command_line(&drawn.display().to_string(), [120, 90], false)
+            .unwrap();
+        let shell = format!("hollowcast() {{ \"$BIN\" \"$@\"; }}\n{line}");
+        let run = Command::new("sh")
+            .args(["-c", &shell])
+            .env("BIN", env!("CARGO_BIN_EXE_hollowcast"))
+            .output()
+            .unwrap();
+        assert!(
+            run.status.success(),
+            "{line}\n{}",
+            String::from_utf8_lossy(&run.stderr)
+        );
+        assert!(
+            std::fs::read(saved).unwrap() == std::fs::read(drawn).unwrap(),
+            "{line}"
+        );
+    }
+}
+
+#[test]
+fn a_window_at_rest_asks_for_no_frame_and_a_moving_one_comes_back_to_full_quality() {
+    let mut window = window([800.0, 600.0], 1.0, &["phantom:pot:48"]);
+    let repaint = |window: &Window| {
+        window
+            .output()
+            .viewport_output
+            .values()
+            .map(|v| v.repaint_delay)
+            .min()
+    };
+    for _ in 0..3 {
+        window.step();
+    }
+    assert_eq!(repaint(&window), Some(Duration::MAX));
+
+    let eye = app(&mut window).document().unwrap().view.eye;
+    let centre = Pos2::new(560.0, 240.0);
+    drag(&mut window, centre, centre + vec2(60.0, 10.0));
+    assert_ne!(app(&mut window).document().unwrap().view.eye, eye);
+    settle(&mut window);
+    let settings = app(&mut window).drawn().unwrap();
+    assert_eq!(settings.step_voxels, 0.5);
+    assert_eq!(Some(settings.size), app(&mut window).full_size());
+}
+
+#[test]
+fn keys_and_menus_reach_what_they_name() {
+    let mut window = window([1280.0, 720.0], 1.0, &["phantom:shells:32"]);
+    window.key_press(Key::P);
+    window.step();
+    assert!(app(&mut window).document().unwrap().view.is_parallel());
+    for key in [Key::L, Key::U, Key::K, Key::H] {
+        window.key_press(key);
+        window.step();
+    }
+    settle(&mut window);
+    let shown = app(&mut window).shown;
+    assert!(shown.leaves && shown.hull && shown.cut && shown.heat);
+    window.key_press(Key::F1);
+    window.step();
+    window.get_by_label("fly: forward, left, back, right, down, up");
+    window.key_press(Key::Escape);
+    window.step();
+    assert!(
+        window
+            .query_by_label("fly: forward, left, back, right, down, up")
+            .is_none()
+    );
+
+    // An edit is undone and redone.
+    let method = |window: &mut Window| app(window).document().unwrap().way.method;
+    window.key_press(Key::M);
+    settle(&mut window);
+    assert_eq!(method(&mut window), MethodChoice::Only(Skip::Box));
+    window.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    window.step();
+    assert_eq!(method(&mut window), MethodChoice::Auto);
+    window.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    window.step();
+    assert_eq!(method(&mut window), MethodChoice::Only(Skip::Box));
+
+    // A file that is not there is told of, and the message goes away.
+    app(&mut window).open("missing.nrrd");
+    let start = Instant::now();
+    while app(&mut window).messages().is_empty() && start.elapsed() < Duration::from_secs(20) {
+        window.step();
+        std::thread::sleep(Duration::from_millis(15));
+    }
+    window.step();
+    assert!(app(&mut window).messages()[0].1.contains("missing.nrrd"));
+    window.get_by_label("dismiss").click();
+    window.step();
+    assert!(app(&mut window).messages().is_empty());
+}
+
+#[test]
+fn the_window_shows_its_picture_at_both_scales() {
+    for (size, scale) in [([1280.0, 720.0], 1.0), ([1280.0, 720.0], 2.0)] {
+        let mut window = window(size, scale, &["phantom:pot:32"]);
+        let image = window.render().unwrap();
+        assert_eq!(
+            (image.width(), image.height()),
+            ((size[0] * scale) as u32, (size[1] * scale) as u32)
+        );
+        // The pot's warm colours stand in the middle of the canvas.
+        let at = |x: f32, y: f32| image.get_pixel((x * scale) as u32, (y * scale) as u32).0;
+        let warm = (0..40)
+            .flat_map(|i| (0..20).map(move |j| (600.0 + 10.0 * i as f32, 100.0 + 18.0 * j as f32)))
+            .map(|(x, y)| at(x, y))
+            .filter(|p| p[0] > p[2].saturating_add(20))
+            .count();
+        assert!(warm > 100, "{warm} at {scale}");
+        if let Ok(folder) = std::env::var("HOLLOWCAST_SCREENSHOTS") {
+            image
+                .save(Path::new(&folder).join(format!("window-{scale}x.png")))
+                .unwrap();
+        }
+    }
+}
