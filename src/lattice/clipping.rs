@@ -45,8 +45,8 @@ impl Clipping {
         Ok(())
     }
 
-    /// Keeps what lies in `ranges` of voxels along x, y and z (an open end clips nothing) and where `nx * x + ny * y + nz * z
-    /// >= d` for all of `planes`, all in voxels of edges `voxel_size` (local units).
+    /// Keeps what lies in `ranges` of voxels along x, y and z (an open end clips nothing) and where
+    /// `nx * x + ny * y + nz * z >= d` for all of `planes`, all in voxels of edges `voxel_size` (local units).
     ///
     /// # Errors
     /// As [`Self::keep`].

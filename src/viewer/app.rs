@@ -44,6 +44,10 @@ pub enum Compare {
 
 /// What is shown besides the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a checkbox of its own, independent of the others"
+)]
 pub struct Shown {
     /// How two ways are compared.
     pub compare: Compare,
@@ -228,7 +232,7 @@ impl App {
 
     pub(super) fn start_job(&mut self, job: Job) {
         self.next_id += 1;
-        let running = job.start(self.next_id, self.told.0.clone(), self.context.clone());
+        let running = job.start(self.next_id, &self.told.0, &self.context);
         self.jobs.push(running);
     }
 

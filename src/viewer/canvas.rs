@@ -28,7 +28,7 @@ pub(super) struct Pane {
 }
 
 /// Draws the picture and takes what the pointer does to it; tells the size in pixels that pictures should have.
-pub fn show(app: &mut App, ui: &mut Ui) -> Option<[u32; 2]> {
+pub(super) fn show(app: &mut App, ui: &mut Ui) -> Option<[u32; 2]> {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     let painter = ui.painter_at(rect);

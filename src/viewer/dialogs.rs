@@ -13,12 +13,13 @@ use crate::transfer::TransferFunction;
 
 use super::actions::{POINTER, SHORTCUTS};
 use super::app::App;
+use super::document::Document;
 use super::jobs::Job;
 use super::{session, sweep};
 
 /// What a path is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PathFor {
+pub(super) enum PathFor {
     /// A volume to open.
     Volume,
     /// A picture to write.
@@ -37,7 +38,7 @@ pub enum PathFor {
 
 /// What is open.
 #[derive(Debug)]
-pub enum Dialog {
+pub(super) enum Dialog {
     /// Asking for a path.
     Path(PathDialog),
     /// Keys and pointer.
@@ -48,7 +49,7 @@ pub enum Dialog {
 
 /// A path, typed or browsed for, and what else is to be known.
 #[derive(Debug)]
-pub struct PathDialog {
+pub(super) struct PathDialog {
     purpose: PathFor,
     text: String,
     size: Option<[u32; 2]>,
@@ -99,7 +100,7 @@ impl PathFor {
 
 impl Dialog {
     /// Asks for a path.
-    pub fn path(purpose: PathFor) -> Self {
+    pub(super) fn path(purpose: PathFor) -> Self {
         Self::Path(PathDialog {
             purpose,
             text: purpose.usual().to_owned(),
@@ -113,7 +114,7 @@ impl Dialog {
 }
 
 /// Takes the path that the system's dialog was closed with.
-pub fn take_picked(app: &mut App) {
+pub(super) fn take_picked(app: &mut App) {
     while let Ok(picked) = app.picked.1.try_recv() {
         if let Some(Dialog::Path(dialog)) = &mut app.dialog {
             dialog.browsing = false;
@@ -125,16 +126,14 @@ pub fn take_picked(app: &mut App) {
 }
 
 /// Draws what is open.
-pub fn show(app: &mut App, ui: &mut Ui) {
+pub(super) fn show(app: &mut App, ui: &mut Ui) {
     messages(app, ui);
     match app.dialog.take() {
         None => {}
         Some(Dialog::Path(dialog)) => path(app, ui, dialog),
         Some(Dialog::Help) => help(app, ui),
         Some(Dialog::Sweep) => {
-            if sweep::show(app, ui) {
-                app.dialog = Some(Dialog::Sweep);
-            }
+            app.dialog = sweep::show(app, ui).then_some(Dialog::Sweep);
         }
     }
 }
@@ -287,7 +286,7 @@ impl App {
                 self.restore(kept);
             }
             PathFor::SaveSession => {
-                let kept: Vec<_> = self.documents.iter().map(|d| d.kept()).collect();
+                let kept: Vec<_> = self.documents.iter().map(Document::kept).collect();
                 let text = session::to_toml(&kept)?;
                 self.write_text(&path, &text)?;
             }

@@ -124,12 +124,12 @@ impl Job {
     }
 
     /// Starts the job; what it tells wakes the window.
-    pub fn start(self, id: u64, told: Sender<Done>, context: Context) -> Running {
+    pub fn start(self, id: u64, told: &Sender<Done>, context: &Context) -> Running {
         let control = Arc::<Control>::default();
         let label = self.label();
         let own = Arc::clone(&control);
         let spawned = std::thread::Builder::new().name("job".to_owned()).spawn({
-            let told = told.clone();
+            let (told, context) = (told.clone(), context.clone());
             move || {
                 let tell = |done| {
                     // A window that is gone need not know.

@@ -9,7 +9,7 @@ use super::document::Document;
 use super::rows::{choice, color, number, row};
 
 /// The section of the left panel.
-pub fn show(document: &mut Document, ui: &mut Ui) {
+pub(super) fn show(document: &mut Document, ui: &mut Ui) {
     CollapsingHeader::new(RichText::new("Mode").strong())
         .id_salt("Mode")
         .default_open(true)

@@ -16,7 +16,7 @@ use super::rows::{choice, row};
 use super::{mode_panel, status};
 
 /// The panel.
-pub fn left(app: &mut App, ui: &mut Ui) {
+pub(super) fn left(app: &mut App, ui: &mut Ui) {
     Panel::left("settings")
         .default_size(292.0)
         .min_size(250.0)

@@ -94,14 +94,12 @@ impl App {
         self.screen.textures.truncate(frame.drawn.len());
         for (i, drawn) in frame.drawn.iter_mut().enumerate() {
             let image = std::mem::take(&mut drawn.image);
-            match self.screen.textures.get_mut(i) {
-                Some(texture) => texture.set(image, TextureOptions::LINEAR),
-                None => {
-                    let texture =
-                        self.context
-                            .load_texture("picture", image, TextureOptions::LINEAR);
-                    self.screen.textures.push(texture);
-                }
+            if let Some(texture) = self.screen.textures.get_mut(i) {
+                texture.set(image, TextureOptions::LINEAR);
+            } else {
+                let options = TextureOptions::LINEAR;
+                let texture = self.context.load_texture("picture", image, options);
+                self.screen.textures.push(texture);
             }
         }
         if let Some(image) = frame.compared.as_mut().and_then(|c| c.image.take()) {

@@ -42,12 +42,12 @@ impl Renderers {
             BackendChoice::Auto => BackendChoice::Gpu,
             named => named,
         };
-        let place = match self.open.iter().position(|(c, ..)| *c == choice) {
-            Some(place) => place,
-            None => {
-                self.open.push((choice, Renderer::new(choice)?, None));
-                self.open.len() - 1
-            }
+        let known = self.open.iter().position(|(c, ..)| *c == choice);
+        let place = if let Some(place) = known {
+            place
+        } else {
+            self.open.push((choice, Renderer::new(choice)?, None));
+            self.open.len() - 1
         };
         let (_, renderer, held) = &mut self.open[place];
         let is_held = held.as_ref().is_some_and(|held| Arc::ptr_eq(held, volume));

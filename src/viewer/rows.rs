@@ -3,14 +3,14 @@
 use eframe::egui::{ComboBox, DragValue, Response, Ui};
 
 /// A name and a control beside it.
-pub fn row(ui: &mut Ui, name: &str, tip: &str, add: impl FnOnce(&mut Ui) -> Response) {
+pub(super) fn row(ui: &mut Ui, name: &str, tip: &str, add: impl FnOnce(&mut Ui) -> Response) {
     let label = ui.label(name).on_hover_text(tip);
     add(ui).labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
 }
 
 /// A choice from a list; each with its own words and tooltip.
-pub fn choice<T: PartialEq>(
+pub(super) fn choice<T: PartialEq>(
     ui: &mut Ui,
     (salt, name, tip): (&str, &str, &str),
     value: &mut T,
@@ -31,7 +31,7 @@ pub fn choice<T: PartialEq>(
 }
 
 /// A number to drag or type.
-pub fn number(
+pub(super) fn number(
     ui: &mut Ui,
     (name, tip): (&str, &str),
     value: &mut f64,
@@ -49,7 +49,7 @@ pub fn number(
 }
 
 /// A linear colour, chosen as an sRGB one.
-pub fn color(ui: &mut Ui, (name, tip): (&str, &str), value: &mut [f64; 3]) {
+pub(super) fn color(ui: &mut Ui, (name, tip): (&str, &str), value: &mut [f64; 3]) {
     row(ui, name, tip, |ui| {
         let mut srgb = super::command::srgb(*value);
         let response = ui.color_edit_button_srgb(&mut srgb);

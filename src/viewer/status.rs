@@ -13,7 +13,7 @@ use super::dialogs::{Dialog, PathFor};
 use super::worker::Stage;
 
 /// Menus.
-pub fn top(app: &mut App, ui: &mut Ui) {
+pub(super) fn top(app: &mut App, ui: &mut Ui) {
     Panel::top("menu").show(ui, |ui| {
         MenuBar::new().ui(ui, |ui| {
             ui.menu_button("File", |ui| file_menu(app, ui));
@@ -153,7 +153,7 @@ fn view_menu(app: &mut App, ui: &mut Ui) {
 }
 
 /// Progress, quality and the verdict.
-pub fn bottom(app: &mut App, ui: &mut Ui) {
+pub(super) fn bottom(app: &mut App, ui: &mut Ui) {
     Panel::bottom("status").exact_size(26.0).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
             let mut cancelled = None;
@@ -218,7 +218,7 @@ impl App {
 }
 
 /// What the picture took.
-pub fn numbers(app: &App, ui: &mut Ui) {
+pub(super) fn numbers(app: &App, ui: &mut Ui) {
     let Some(frame) = &app.screen.frame else {
         return;
     };

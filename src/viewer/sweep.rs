@@ -26,7 +26,7 @@ const COLORS: [Color32; 8] = [
 ];
 
 /// Draws the window; tells whether it stays open.
-pub fn show(app: &mut App, ui: &Ui) -> bool {
+pub(super) fn show(app: &mut App, ui: &Ui) -> bool {
     let mut is_open = true;
     let mut taken = None;
     let mut again = false;

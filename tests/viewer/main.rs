@@ -15,6 +15,7 @@ use hollowcast::skip::Skip;
 use hollowcast::viewer::session::Recent;
 use hollowcast::viewer::{App, Compare};
 
+use image::RgbaImage;
 use offscreen::Offscreen;
 
 type Window = Harness<'static, Option<App>>;
@@ -235,27 +236,56 @@ fn keys_and_menus_reach_what_they_name() {
     assert!(app(&mut window).messages().is_empty());
 }
 
-#[test]
-fn the_window_shows_its_picture_at_both_scales() {
-    for (size, scale) in [([1280.0, 720.0], 1.0), ([1280.0, 720.0], 2.0)] {
-        let mut window = window(size, scale, &["phantom:pot:32"]);
-        let image = window.render().unwrap();
-        assert_eq!(
-            (image.width(), image.height()),
-            ((size[0] * scale) as u32, (size[1] * scale) as u32)
-        );
-        // The pot's warm colours stand in the middle of the canvas.
-        let at = |x: f32, y: f32| image.get_pixel((x * scale) as u32, (y * scale) as u32).0;
-        let warm = (0..40)
-            .flat_map(|i| (0..20).map(move |j| (600.0 + 10.0 * i as f32, 100.0 + 18.0 * j as f32)))
-            .map(|(x, y)| at(x, y))
-            .filter(|p| p[0] > p[2].saturating_add(20))
-            .count();
-        assert!(warm > 100, "{warm} at {scale}");
-        if let Ok(folder) = std::env::var("HOLLOWCAST_SCREENSHOTS") {
-            image
-                .save(Path::new(&folder).join(format!("window-{scale}x.png")))
-                .unwrap();
-        }
+/// Keeps a picture of the window where `HOLLOWCAST_SCREENSHOTS` names a folder: those of the readme are made so.
+fn shoot(window: &mut Window, name: &str) -> RgbaImage {
+    let image = window.render().unwrap();
+    if let Ok(folder) = std::env::var("HOLLOWCAST_SCREENSHOTS") {
+        image.save(Path::new(&folder).join(name)).unwrap();
     }
+    image
+}
+
+/// How many of a grid of places on the canvas look so.
+fn count(image: &RgbaImage, scale: f32, looks: impl Fn([u8; 4]) -> bool) -> usize {
+    let places = (0..48)
+        .flat_map(|i| (0..24).map(move |j| (480.0 + 14.0 * i as f32, 80.0 + 17.0 * j as f32)));
+    let at = |(x, y): (f32, f32)| image.get_pixel((x * scale) as u32, (y * scale) as u32).0;
+    places.map(at).filter(|&pixel| looks(pixel)).count()
+}
+
+#[test]
+fn the_window_shows_pictures_comparisons_and_what_is_skipped() {
+    let warm = |p: [u8; 4]| p[0] > p[2].saturating_add(20);
+    let mut small = window([1280.0, 720.0], 2.0, &["phantom:pot:32"]);
+    let image = shoot(&mut small, "twice.png");
+    assert_eq!((image.width(), image.height()), (2560, 1440));
+    assert!(count(&image, 2.0, warm) > 100);
+    drop(small);
+
+    let mut window = window([1280.0, 720.0], 1.0, &[&stent()]);
+    let document = app(&mut window).document_mut().unwrap();
+    document.way.method = MethodChoice::Only(Skip::HalfSplit);
+    document.view.zoom(0.72, document.volume.voxel_size());
+    settle(&mut window);
+    let picture = shoot(&mut window, "window.png");
+    let seen = count(&picture, 1.0, |p| p[0] > 90);
+    assert!(seen > 20, "{seen}");
+
+    let document = app(&mut window).document_mut().unwrap();
+    document.way.method = MethodChoice::Only(Skip::Box);
+    document.other.method = MethodChoice::Only(Skip::BeamMasks);
+    app(&mut window).shown.compare = Compare::Split;
+    settle(&mut window);
+    let split = shoot(&mut window, "compare.png");
+    // Skipping changes nothing: but for captions and divider the picture is what it was.
+    let seen_again = count(&split, 1.0, |p| p[0] > 90);
+    assert!(seen_again.abs_diff(seen) <= 30, "{seen} {seen_again}");
+    assert_eq!(app(&mut window).difference().map(|d| d.0), Some(0));
+
+    app(&mut window).document_mut().unwrap().way.method = MethodChoice::Only(Skip::HalfSplit);
+    let shown = &mut app(&mut window).shown;
+    (shown.compare, shown.heat, shown.leaves, shown.cut) = (Compare::Off, true, true, true);
+    settle(&mut window);
+    let heat = shoot(&mut window, "overlay.png");
+    assert_ne!(heat, picture);
 }
