@@ -30,28 +30,37 @@ fail() {
 window=$!
 timeout 60 xdotool search --sync --onlyvisible --name '^hollowcast$' > /dev/null || fail "no window opened"
 
-# As many colours as a picture has and panels alone do not.
 shoot() {
     import -window root "$folder/$1.png"
-    identify -format %k "$folder/$1.png"
 }
-for _ in $(seq 60); do
-    kill -0 $window 2> /dev/null || fail "the window closed"
-    [ "$(shoot window)" -gt 2000 ] && break
-    sleep 1
-done
-[ "$(shoot window)" -gt 2000 ] || fail "no picture came"
+# Waits until the screen shows a picture, which has more colours than panels alone, and no longer changes.
+settle() {
+    local last=
+    for _ in $(seq 60); do
+        kill -0 $window 2> /dev/null || fail "the window closed"
+        shoot "$1"
+        local now
+        now=$(identify -format '%k %#' "$folder/$1.png")
+        [ "$now" = "$last" ] && [ "${now%% *}" -gt 1000 ] && return
+        last=$now
+        sleep 1
+    done
+    fail "no picture that stays"
+}
 
-xdotool mousemove 760 260 mousedown 1
+settle window
+xdotool mousemove 760 260
+sleep 0.5
+xdotool mousedown 1
 for x in $(seq 770 10 900); do
     xdotool mousemove "$x" 270
     sleep 0.05
 done
 xdotool mouseup 1
 sleep 1
-before=$(sha256sum < "$folder/window.png")
-shoot turned > /dev/null
-[ "$before" != "$(sha256sum < "$folder/turned.png")" ] || fail "dragging turned nothing"
+settle turned
+apart=$(compare -metric AE "$folder/window.png" "$folder/turned.png" null: 2>&1 || true)
+[ "${apart%%.*}" -gt 3000 ] || fail "dragging turned nothing"
 
 # At rest it uses no time: jiffies of the process over two seconds.
 used() { awk '{ print $14 + $15 }' "/proc/$window/stat"; }

@@ -178,6 +178,10 @@ pub const POINTER: &[(&str, &str)] = &[
         "turn about the first thing that is hit there",
     ),
     ("ctrl+C", "copy the picture"),
+    (
+        "drag in the transfer function",
+        "move a point; a double click adds one, a right click takes one away, the wheel shows fewer values",
+    ),
 ];
 
 /// Takes the keys that were pressed, unless something is being typed.

@@ -29,6 +29,15 @@ pub(super) const BACKDROP: [u8; 3] = [22, 24, 28];
 /// How many frame times the small graph shows.
 pub(super) const TIMES: usize = 90;
 
+/// A line for the user, until it is dismissed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// Whether something went wrong.
+    pub is_error: bool,
+    /// What.
+    pub text: String,
+}
+
 /// How two ways are put beside each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Compare {
@@ -114,7 +123,7 @@ pub struct App {
     pub(super) screen: OnScreen,
     pub(super) recent: Recent,
     pub(super) jobs: Vec<Running>,
-    pub(super) messages: Vec<(bool, String)>,
+    pub(super) messages: Vec<Message>,
     pub(super) dialog: Option<Dialog>,
     pub(super) picked: (Sender<Option<PathBuf>>, Receiver<Option<PathBuf>>),
     pub(super) worker: Worker,
@@ -194,8 +203,8 @@ impl App {
         self.jobs.is_empty() && is_drawn && self.worker.stage() == Stage::Idle
     }
 
-    /// What went wrong or was done, the last last; `true` for errors.
-    pub fn messages(&self) -> &[(bool, String)] {
+    /// What went wrong or was done, the last last.
+    pub fn messages(&self) -> &[Message] {
         &self.messages
     }
 
@@ -237,13 +246,19 @@ impl App {
     }
 
     pub(super) fn say(&mut self, text: String) {
-        self.messages.push((false, text));
+        self.messages.push(Message {
+            is_error: false,
+            text,
+        });
     }
 
     pub(super) fn complain(&mut self, error: &Error) {
         let text = error.to_string();
-        if !self.messages.iter().any(|(_, said)| *said == text) {
-            self.messages.push((true, text));
+        if !self.messages.iter().any(|message| message.text == text) {
+            self.messages.push(Message {
+                is_error: true,
+                text,
+            });
         }
     }
 

@@ -355,7 +355,7 @@ fn messages(app: &mut App, ui: &Ui) {
         .anchor(Align2::RIGHT_TOP, vec2(-12.0, 42.0))
         .show(ui.ctx(), |ui| {
             ui.set_max_width(440.0);
-            for (i, (is_error, text)) in app.messages.iter().enumerate() {
+            for (i, message) in app.messages.iter().enumerate() {
                 ui.horizontal_wrapped(|ui| {
                     if ui
                         .small_button("dismiss")
@@ -364,12 +364,12 @@ fn messages(app: &mut App, ui: &Ui) {
                     {
                         dismissed = Some(i);
                     }
-                    let color = if *is_error {
+                    let color = if message.is_error {
                         ui.visuals().error_fg_color
                     } else {
                         ui.visuals().text_color()
                     };
-                    ui.label(RichText::new(text).color(color));
+                    ui.label(RichText::new(&message.text).color(color));
                 });
             }
         });

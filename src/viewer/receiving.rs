@@ -59,8 +59,7 @@ impl App {
 
     fn add(&mut self, mut document: Document) {
         for warning in &document.volume.warnings {
-            self.messages
-                .push((false, format!("{}: {warning}", document.short_name())));
+            self.say(format!("{}: {warning}", document.short_name()));
         }
         let awaited = self.awaited.iter().position(|k| k.volume == document.name);
         if let Some(place) = awaited {
@@ -86,6 +85,12 @@ impl App {
             frame.whole_ms
         };
         self.quality.measured(frame.level, took);
+        tracing::debug!(
+            "frame of {:?} pixels in {:.1} ms: {}",
+            frame.drawn[0].settings.size,
+            frame.whole_ms,
+            frame.level.words()
+        );
         let times = &mut self.screen.times;
         times.push_back(frame.drawn[0].times.frame_ms as f32);
         while times.len() > TIMES {

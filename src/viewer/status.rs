@@ -239,11 +239,19 @@ pub(super) fn numbers(app: &App, ui: &mut Ui) {
                         ui.end_row();
                     };
                     let times = drawn.times;
-                    line(
-                        "drawn by",
-                        Choice::of(&drawn.settings).words(),
-                        "method, blocks and cuts",
-                    );
+                    let choice = Choice::of(&drawn.settings);
+                    let method = choice.skip.method();
+                    line("skipped by", method.name.to_owned(), method.summary);
+                    if choice.skip.reads_blocks() {
+                        let cut = choice
+                            .cut_words()
+                            .map_or(String::new(), |c| format!(", cut {c}"));
+                        line(
+                            "blocks",
+                            format!("{} voxels{cut}", choice.block),
+                            "edge of the leaf blocks, and where it cuts",
+                        );
+                    }
                     line(
                         "on",
                         format!("{}, {}", drawn.backend.backend, drawn.sampler.name()),

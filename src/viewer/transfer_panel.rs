@@ -24,9 +24,11 @@ pub fn bottom(app: &mut App, ui: &mut Ui) {
         return;
     }
     Panel::bottom("transfer").exact_size(176.0).show(ui, |ui| {
+        // Tools that find no room must not make the editor wider than the window.
+        let width = ui.available_width();
         ui.horizontal(|ui| tools(app, ui));
         if let Some(document) = app.document_mut() {
-            editor(document, ui);
+            editor(document, ui, width);
         }
     });
 }
@@ -35,7 +37,6 @@ fn tools(app: &mut App, ui: &mut Ui) {
     let (can_undo, can_redo) = app.document().map_or((false, false), |d| {
         (d.history.can_undo(), d.history.can_redo())
     });
-    ui.strong("Transfer function");
     let mut button = |enabled: bool, name: &str, tip: &str| {
         let button = ui.add_enabled(enabled, eframe::egui::Button::new(name));
         button.on_hover_text(tip).clicked()
@@ -89,7 +90,6 @@ fn selected(document: &mut Document, ui: &mut Ui) {
         .selected
         .and_then(|i| Some((i, *transfer.points().get(i)?)))
     else {
-        ui.weak("double click adds a point, right click takes one away");
         return;
     };
     ui.separator();
@@ -160,8 +160,8 @@ pub fn editor_id() -> Id {
     Id::unique("transfer editor")
 }
 
-fn editor(document: &mut Document, ui: &mut Ui) {
-    let size = ui.available_size() - vec2(0.0, 16.0);
+fn editor(document: &mut Document, ui: &mut Ui, width: f32) {
+    let size = vec2(width, ui.available_height() - 16.0);
     let (outer, _) = ui.allocate_exact_size(size, Sense::hover());
     let rect = outer.shrink2(vec2(8.0, 6.0));
     let response = ui.interact(outer, editor_id(), Sense::click_and_drag());
@@ -175,17 +175,23 @@ fn editor(document: &mut Document, ui: &mut Ui) {
     edit(document, ui, &response, place);
     let painter = ui.painter_at(outer);
     paint(document, &painter, place, ui);
+    let font = FontId::proportional(12.0);
+    if document.selected.is_none() {
+        let hint = "drag points, double click to add one, right click to take one away";
+        let color = ui.visuals().weak_text_color();
+        painter.text(
+            rect.center_top(),
+            Align2::CENTER_TOP,
+            hint,
+            font.clone(),
+            color,
+        );
+    }
     if let Some(at) = response.hover_pos() {
         let (value, opacity) = place.of(at);
         let text = format!("{value:.4}: opacity {opacity:.4}");
         let color = ui.visuals().weak_text_color();
-        painter.text(
-            rect.right_top(),
-            Align2::RIGHT_TOP,
-            text,
-            FontId::proportional(12.0),
-            color,
-        );
+        painter.text(rect.right_top(), Align2::RIGHT_TOP, text, font, color);
     }
 }
 

@@ -47,18 +47,14 @@ impl Verdict {
         match self.better().and_then(|c| Some((c, self.ms(&c)?))) {
             Some((better, ms)) if better.skip == Skip::Box => {
                 format!(
-                    "{current}; box itself takes {:.0} % of its time: use it",
+                    "{current}; box itself takes {:.0} % of its time",
                     100.0 * ms / now
                 )
             }
             Some((better, ms)) => {
-                format!(
-                    "{current}; {} would be {}: use it",
-                    better.words(),
-                    times(ms)
-                )
+                format!("{current}; {} would be {}", better.words(), times(ms))
             }
-            None => format!("{current}; what auto chooses is no faster"),
+            None => format!("{current}; nothing that auto knows of is faster"),
         }
     }
 }
@@ -89,13 +85,13 @@ mod tests {
             words.starts_with("half-split is 3.4x box here; beam-masks"),
             "{words}"
         );
-        assert!(words.ends_with("would be 5.0x box: use it"), "{words}");
+        assert!(words.ends_with("would be 5.0x box"), "{words}");
         let content = Verdict {
             current: beam,
             ..verdict.clone()
         };
         assert_eq!(content.better(), None);
-        assert!(content.words().contains("no faster"));
+        assert!(content.words().contains("nothing"));
         let full = Verdict {
             current: half,
             rows: vec![(base, 5.0), (half, 10.0)],

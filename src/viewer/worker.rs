@@ -402,7 +402,7 @@ fn compare(a: &Picture, b: &Picture, show: bool) -> Compared {
     }
 }
 
-/// Draws the picture, small, by box, by its own choice and by auto's, twice in turns; `None` where someone wanted something
+/// Draws the picture, small, by box, by its own choice and by auto's, in turns; `None` where someone wanted something
 /// else meanwhile.
 fn weigh(renderer: &mut Renderer, settings: &Settings, shared: &Shared) -> Result<Option<Verdict>> {
     shared.at(Stage::Weighing, Some(renderer.progress()));
@@ -429,7 +429,7 @@ fn weigh(renderer: &mut Renderer, settings: &Settings, shared: &Shared) -> Resul
         choices.push(auto);
     }
     let mut rows: Vec<(Choice, f64)> = choices.iter().map(|&c| (c, f64::INFINITY)).collect();
-    for round in 0..3 {
+    for round in 0..4 {
         for (choice, ms) in &mut rows {
             if shared.is_superseded() {
                 return Ok(None);

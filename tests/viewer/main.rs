@@ -62,9 +62,9 @@ fn settle(window: &mut Window) {
             break;
         }
         let messages = app(window).messages();
-        assert!(!messages.iter().any(|m| m.0), "{messages:?}");
+        assert!(!messages.iter().any(|m| m.is_error), "{messages:?}");
         assert!(
-            start.elapsed() < Duration::from_secs(120),
+            start.elapsed() < Duration::from_mins(2),
             "the window comes to rest"
         );
         std::thread::sleep(Duration::from_millis(15));
@@ -118,9 +118,9 @@ fn what_is_saved_is_what_the_copied_command_line_draws() {
     assert!(after.points()[i].value < before.points()[i].value);
 
     // Another method is chosen from the list.
-    window.get_by_label("skip by").click_accesskit();
-    window.step();
-    window.get_by_label("beam-masks").click_accesskit();
+    window.get_by_label("skip by").click();
+    window.run_steps(3);
+    window.get_by_label("beam-masks").click();
     settle(&mut window);
     assert_eq!(app(&mut window).drawn().unwrap().skip, Skip::BeamMasks);
 
@@ -230,7 +230,7 @@ fn keys_and_menus_reach_what_they_name() {
         std::thread::sleep(Duration::from_millis(15));
     }
     window.step();
-    assert!(app(&mut window).messages()[0].1.contains("missing.nrrd"));
+    assert!(app(&mut window).messages()[0].text.contains("missing.nrrd"));
     window.get_by_label("dismiss").click();
     window.step();
     assert!(app(&mut window).messages().is_empty());
@@ -239,6 +239,11 @@ fn keys_and_menus_reach_what_they_name() {
 /// Keeps a picture of the window where `HOLLOWCAST_SCREENSHOTS` names a folder: those of the readme are made so.
 fn shoot(window: &mut Window, name: &str) -> RgbaImage {
     let image = window.render().unwrap();
+    // The harness leaves a margin around what it shows.
+    let margin = (8.0 * window.ctx.pixels_per_point()) as u32;
+    let inside = |n: u32| n - 2 * margin;
+    let (width, height) = (inside(image.width()), inside(image.height()));
+    let image = image::imageops::crop_imm(&image, margin, margin, width, height).to_image();
     if let Ok(folder) = std::env::var("HOLLOWCAST_SCREENSHOTS") {
         image.save(Path::new(&folder).join(name)).unwrap();
     }
@@ -258,14 +263,14 @@ fn the_window_shows_pictures_comparisons_and_what_is_skipped() {
     let warm = |p: [u8; 4]| p[0] > p[2].saturating_add(20);
     let mut small = window([1280.0, 720.0], 2.0, &["phantom:pot:32"]);
     let image = shoot(&mut small, "twice.png");
-    assert_eq!((image.width(), image.height()), (2560, 1440));
-    assert!(count(&image, 2.0, warm) > 100);
+    assert_eq!((image.width(), image.height()), (2528, 1408));
+    assert!(count(&image, 2.0, warm) > 30);
     drop(small);
 
     let mut window = window([1280.0, 720.0], 1.0, &[&stent()]);
     let document = app(&mut window).document_mut().unwrap();
     document.way.method = MethodChoice::Only(Skip::HalfSplit);
-    document.view.zoom(0.72, document.volume.voxel_size());
+    document.view.zoom(0.85, document.volume.voxel_size());
     settle(&mut window);
     let picture = shoot(&mut window, "window.png");
     let seen = count(&picture, 1.0, |p| p[0] > 90);
