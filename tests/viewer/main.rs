@@ -120,7 +120,9 @@ fn what_is_saved_is_what_the_copied_command_line_draws() {
     // Another method is chosen from the list.
     window.get_by_label("skip by").click();
     window.run_steps(3);
-    window.get_by_label("beam-masks").click();
+    // In the list's popup, that is: the numbers may name it too.
+    let listed = window.get_all_by_label("beam-masks");
+    listed.last().expect("it is in the list").click();
     settle(&mut window);
     assert_eq!(app(&mut window).drawn().unwrap().skip, Skip::BeamMasks);
 
@@ -274,7 +276,7 @@ fn the_window_shows_pictures_comparisons_and_what_is_skipped() {
     settle(&mut window);
     let picture = shoot(&mut window, "window.png");
     let seen = count(&picture, 1.0, |p| p[0] > 90);
-    assert!(seen > 20, "{seen}");
+    assert!(seen > 8, "{seen}");
 
     let document = app(&mut window).document_mut().unwrap();
     document.way.method = MethodChoice::Only(Skip::Box);
@@ -284,7 +286,7 @@ fn the_window_shows_pictures_comparisons_and_what_is_skipped() {
     let split = shoot(&mut window, "compare.png");
     // Skipping changes nothing: but for captions and divider the picture is what it was.
     let seen_again = count(&split, 1.0, |p| p[0] > 90);
-    assert!(seen_again.abs_diff(seen) <= 30, "{seen} {seen_again}");
+    assert!(seen_again.abs_diff(seen) <= 20, "{seen} {seen_again}");
     assert_eq!(app(&mut window).difference().map(|d| d.0), Some(0));
 
     app(&mut window).document_mut().unwrap().way.method = MethodChoice::Only(Skip::HalfSplit);
