@@ -38,7 +38,8 @@ pub(super) fn show(app: &mut App, ui: &Ui) -> bool {
     Window::new("Frame time by block size")
         .open(&mut is_open)
         .collapsible(false)
-        .default_size([520.0, 340.0])
+        .default_pos([380.0, 70.0])
+        .default_size([540.0, 340.0])
         .show(ui.ctx(), |ui| {
             let rows = &document.sweep;
             taken = chart(ui, rows, current);
@@ -69,9 +70,9 @@ pub(super) fn show(app: &mut App, ui: &Ui) -> bool {
 /// Draws what was timed; a choice where one was clicked.
 fn chart(ui: &mut Ui, rows: &[(Choice, f64)], current: Option<Choice>) -> Option<Choice> {
     let (outer, response) =
-        ui.allocate_exact_size(vec2(ui.available_width().max(480.0), 280.0), Sense::click());
+        ui.allocate_exact_size(vec2(ui.available_width().max(500.0), 280.0), Sense::click());
     let painter = ui.painter_at(outer);
-    let rect = Rect::from_min_max(outer.min + vec2(44.0, 10.0), outer.max - vec2(112.0, 24.0));
+    let rect = Rect::from_min_max(outer.min + vec2(58.0, 10.0), outer.max - vec2(112.0, 24.0));
     painter.rect_filled(rect, 2.0, ui.visuals().extreme_bg_color);
     let most = rows.iter().map(|r| r.1).fold(1e-3, f64::max) * 1.05;
     let weak = ui.visuals().weak_text_color();
