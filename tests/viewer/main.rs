@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{Key, Modifiers, Pos2, Rect, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use hollowcast::mode::{Light, Lighting, Mode, Window};
 use hollowcast::render::MethodChoice;
 use hollowcast::skip::Skip;
 use hollowcast::viewer::session::Recent;
@@ -18,7 +19,7 @@ use hollowcast::viewer::{App, Compare};
 use image::RgbaImage;
 use offscreen::Offscreen;
 
-type Window = Harness<'static, Option<App>>;
+type TestWindow = Harness<'static, Option<App>>;
 
 fn stent() -> String {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -28,7 +29,7 @@ fn stent() -> String {
 }
 
 /// A window of this size with volumes open.
-fn window(size: [f32; 2], scale: f32, volumes: &[&str]) -> Window {
+fn window(size: [f32; 2], scale: f32, volumes: &[&str]) -> TestWindow {
     let mut window = Harness::builder()
         .with_size(size)
         .with_pixels_per_point(scale)
@@ -48,12 +49,12 @@ fn window(size: [f32; 2], scale: f32, volumes: &[&str]) -> Window {
     window
 }
 
-fn app(window: &mut Window) -> &mut App {
+fn app(window: &mut TestWindow) -> &mut App {
     window.state_mut().as_mut().unwrap()
 }
 
 /// Lets time pass until all is drawn.
-fn settle(window: &mut Window) {
+fn settle(window: &mut TestWindow) {
     let start = Instant::now();
     window.step();
     loop {
@@ -73,14 +74,14 @@ fn settle(window: &mut Window) {
 }
 
 /// Where the transfer function's points can be dragged.
-fn editor(window: &Window) -> Rect {
+fn editor(window: &TestWindow) -> Rect {
     window
         .get_by_label("opacity over values")
         .rect()
         .shrink2(vec2(8.0, 6.0))
 }
 
-fn drag(window: &mut Window, from: Pos2, to: Pos2) {
+fn drag(window: &mut TestWindow, from: Pos2, to: Pos2) {
     window.hover_at(from);
     window.drag_at(from);
     window.step();
@@ -133,39 +134,72 @@ fn what_is_saved_is_what_the_copied_command_line_draws() {
     assert_eq!(app(&mut window).shown.compare, Compare::Difference);
     assert_eq!(app(&mut window).difference().map(|d| d.0), Some(0));
 
-    // A picture is saved, as numbers and as PNG, and the command draws the same files.
     for name in ["picture.npy", "picture.png"] {
-        let saved = folder.path().join(name);
-        let drawn = folder.path().join(format!("again-{name}"));
-        app(&mut window)
-            .save_picture(saved.clone(), [120, 90], false)
-            .unwrap();
-        settle(&mut window);
-        let line = app(&mut window)
-            .command_line(&drawn.display().to_string(), [120, 90], false)
-            .unwrap();
-        let shell = format!("hollowcast() {{ \"$BIN\" \"$@\"; }}\n{line}");
-        let run = Command::new("sh")
-            .args(["-c", &shell])
-            .env("BIN", env!("CARGO_BIN_EXE_hollowcast"))
-            .output()
-            .unwrap();
-        assert!(
-            run.status.success(),
-            "{line}\n{}",
-            String::from_utf8_lossy(&run.stderr)
-        );
-        assert!(
-            std::fs::read(saved).unwrap() == std::fs::read(drawn).unwrap(),
-            "{line}"
-        );
+        assert_drawn_again(&mut window, folder.path(), name);
     }
+
+    // So it is with parallel rays, clipping, a background and another mode ...
+    window.key_press(Key::P);
+    window.step();
+    let document = app(&mut window).document_mut().unwrap();
+    let high = document.statistics.value_range()[1];
+    document.look.mode = Mode::Mip(Window {
+        low: 3.7,
+        high: high * 0.9,
+    });
+    document.look.clip_box = [[None; 2], [Some(10.25), None], [None, Some(200.0)]];
+    document.look.clip_planes = vec![[1.0, 0.3, -0.2, 11.5]];
+    document.look.background = Some([10, 200, 31]);
+    settle(&mut window);
+    assert_drawn_again(&mut window, folder.path(), "clipped.png");
+
+    // ... and with one that only a graphics adapter has.
+    let document = app(&mut window).document_mut().unwrap();
+    document.look.mode = Mode::Phong {
+        iso: high * 0.4,
+        color: [0.0, 1.0, 0.0],
+        lighting: Lighting {
+            light: Light::From([1.0, -0.5, 2.25]),
+            shininess: 11.0,
+            ..Lighting::default()
+        },
+    };
+    document.way.step_voxels = 0.75;
+    settle(&mut window);
+    assert_drawn_again(&mut window, folder.path(), "lit.npy");
+}
+
+/// Saves the picture, and lets the copied command line draw it again: the same file, byte by byte.
+fn assert_drawn_again(window: &mut TestWindow, folder: &Path, name: &str) {
+    let saved = folder.join(name);
+    let drawn = folder.join(format!("again-{name}"));
+    let size = [120, 90];
+    app(window)
+        .save_picture(saved.clone(), size, false)
+        .unwrap();
+    settle(window);
+    let output = drawn.display().to_string();
+    let line = app(window).command_line(&output, size, false).unwrap();
+    let run = Command::new("sh")
+        .args([
+            "-c",
+            &format!("hollowcast() {{ \"$BIN\" \"$@\"; }}\n{line}"),
+        ])
+        .env("BIN", env!("CARGO_BIN_EXE_hollowcast"))
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{line}\n{said}");
+    assert!(
+        std::fs::read(saved).unwrap() == std::fs::read(drawn).unwrap(),
+        "{line}"
+    );
 }
 
 #[test]
 fn a_window_at_rest_asks_for_no_frame_and_a_moving_one_comes_back_to_full_quality() {
     let mut window = window([800.0, 600.0], 1.0, &["phantom:pot:48"]);
-    let repaint = |window: &Window| {
+    let repaint = |window: &TestWindow| {
         window
             .output()
             .viewport_output
@@ -213,7 +247,7 @@ fn keys_and_menus_reach_what_they_name() {
     );
 
     // An edit is undone and redone.
-    let method = |window: &mut Window| app(window).document().unwrap().way.method;
+    let method = |window: &mut TestWindow| app(window).document().unwrap().way.method;
     window.key_press(Key::M);
     settle(&mut window);
     assert_eq!(method(&mut window), MethodChoice::Only(Skip::Box));
@@ -239,7 +273,7 @@ fn keys_and_menus_reach_what_they_name() {
 }
 
 /// Keeps a picture of the window where `HOLLOWCAST_SCREENSHOTS` names a folder: those of the readme are made so.
-fn shoot(window: &mut Window, name: &str) -> RgbaImage {
+fn shoot(window: &mut TestWindow, name: &str) -> RgbaImage {
     let image = window.render().unwrap();
     // The harness leaves a margin around what it shows.
     let margin = (8.0 * window.ctx.pixels_per_point()) as u32;
