@@ -31,7 +31,7 @@ impl eframe::App for App {
 /// Opens the window, and returns when it is closed.
 ///
 /// # Errors
-/// [`Error::Io`], [`Error::File`] where the session cannot be read; [`Error::Gpu`] where no window can be opened.
+/// [`Error::Io`], [`Error::File`] where the session cannot be read; [`Error::Setting`] where no window can be opened.
 pub fn run(options: Options) -> Result<()> {
     let kept = options.session.as_deref().map(session::read).transpose()?;
     let native = eframe::NativeOptions {
@@ -48,7 +48,9 @@ pub fn run(options: Options) -> Result<()> {
     };
     eframe::run_native("hollowcast", native, Box::new(begin)).map_err(|error| {
         let error = one_line(&error.to_string());
-        Error::Gpu(format!("no window could be opened: {error}"))
+        // Before the last colon stands where in the windowing library it was found.
+        let reason = error.rsplit(": ").next().unwrap_or(&error);
+        Error::setting("display", format!("no window could be opened: {reason}"))
     })
 }
 
