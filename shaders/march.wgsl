@@ -49,7 +49,7 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
     loop {
         // Only where a lane has used up its segment: no cost per sample. Every step advances k or the segment.
         while k >= k_stop && !finished && left > 0u {
-            let next = skip_next(&segment, ray, k);
+            let next = skip_next(&segment, state, ray, k);
             k = next.x;
             k_stop = next.y;
             finished = k >= ray.k_end;

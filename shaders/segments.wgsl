@@ -27,7 +27,7 @@ fn segments(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) l
     var slot = 0u;
     var open = vec2u(0u);
     while k < ray.k_end {
-        let next = skip_next(&walk, ray, k);
+        let next = skip_next(&walk, vec4f(0.0), ray, k);
         k = next.y;
         if next.x == next.y {
             continue;

@@ -206,6 +206,7 @@ impl Camera {
             step,
             size,
             clipping: Clipping::NONE,
+            reach: 0.0,
         };
         if frame.max_samples() > MAX_SAMPLES_PER_RAY {
             return Err(Error::setting(

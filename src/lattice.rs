@@ -145,6 +145,9 @@ pub struct RayFrame {
     pub size: [u32; 2],
     /// What is cut off the rays.
     pub clipping: Clipping,
+    /// How far a sample reaches along its ray to both sides, in steps: 0, or 1/2 where it stands for an interval between
+    /// `t_box + k * step` and `t_box + (k + 1) * step`.
+    pub reach: f64,
 }
 
 /// One ray (or one per lane) on its lattice, in grid coordinates.
@@ -160,6 +163,11 @@ pub struct Ray<R> {
     pub k_end: R,
     /// Unclamped entry into the box, in local units along the ray from its start.
     pub t_box: R,
+    /// Where the part of the ray that is drawn begins and ends, in steps from its entry into the box: what the near plane,
+    /// clip planes and the box's exit leave.
+    pub drawn: [R; 2],
+    /// See [`RayFrame::reach`].
+    pub reach: R,
 }
 
 impl<R: Real> Ray<R> {
@@ -173,6 +181,13 @@ impl<R: Real> Ray<R> {
             self.entry[2] + s * self.delta[2],
         ]
     }
+
+    /// Grid position of the end that intervals `k - 1` and `k` share, moved to the nearest point that is drawn: beyond
+    /// the box, where clamped voxels go on, a ray meets blocks that no method looks for.
+    #[inline(always)]
+    pub fn interval_end(&self, k: R) -> [R; 3] {
+        self.at(k.max(self.drawn[0]).min(self.drawn[1]) - R::splat(0.5))
+    }
 }
 
 /// A [`RayFrame`] rounded to the numbers that rays are computed in.
@@ -185,6 +200,7 @@ pub struct RayBasis<R> {
     step: R,
     centre: [R; 2],
     clipping: Clipping,
+    reach: R,
 }
 
 impl RayFrame {
@@ -202,6 +218,7 @@ impl RayFrame {
                 R::splat(f64::from(self.size[1]) * 0.5 - 0.5),
             ],
             clipping: self.clipping,
+            reach: R::splat(self.reach),
         }
     }
 
@@ -255,19 +272,27 @@ impl<R: Real> RayBasis<R> {
             .ceil()
             .max(zero);
         let mut k_end = (length / self.step - half_and_edge).ceil().max(zero);
+        let mut drawn = [((zero - t_box) / self.step).max(zero), length / self.step];
         for plane in self.clipping.planes() {
             let [nx, ny, nz, distance] = plane.map(R::splat);
             let height = nx * origin[0] + ny * origin[1] + nz * origin[2] + distance;
             let along = nx * d[0] + ny * d[1] + nz * d[2];
             let parallel = along.abs().lt(R::splat(PARALLEL));
             let t = (zero - height) / R::select(parallel, one, along);
-            let k = ((t - t_box) / self.step - half_and_edge).ceil();
+            let s = (t - t_box) / self.step;
+            let k = (s - half_and_edge).ceil();
             // Where the ray passes the plane, one of its sides begins with the sample that the other ends before.
             let enters = R::select(zero.lt(along), k_near.max(k), k_near);
             let leaves = R::select(zero.lt(along), k_end, k_end.min(k));
             let beside = R::select(height.lt(zero), zero, k_end);
             k_near = R::select(parallel, k_near, enters);
             k_end = R::select(parallel, beside, leaves).max(zero);
+            let from = R::select(zero.lt(along), drawn[0].max(s), drawn[0]);
+            let to = R::select(zero.lt(along), drawn[1], drawn[1].min(s));
+            drawn = [
+                R::select(parallel, drawn[0], from),
+                R::select(parallel, drawn[1], to),
+            ];
         }
         let k_near = k_near.min(k_end);
         let mut entry = [zero; 3];
@@ -282,6 +307,8 @@ impl<R: Real> RayBasis<R> {
             k_near,
             k_end,
             t_box,
+            drawn,
+            reach: self.reach,
         }
     }
 }
@@ -309,6 +336,7 @@ mod tests {
             step,
             size: [1, 1],
             clipping: Clipping::NONE,
+            reach: 0.0,
         }
     }
 

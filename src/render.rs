@@ -1,10 +1,15 @@
 //! The [`Renderer`]: owns the backend, the resident volume and the structures, and draws pictures.
 
 mod auto;
-mod cache;
+mod backend;
+mod block_words;
+pub(crate) mod cache;
+mod classes;
 mod gpu;
 mod self_check;
+mod slices;
 mod structures;
+mod trace;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -12,53 +17,27 @@ use std::time::Instant;
 use crate::camera::Camera;
 use crate::cpu::{self, CpuPlan};
 use crate::error::{Error, Result};
-use crate::gpu::{AdapterKind, Gpu};
 use crate::lattice::{Clipping, RayFrame};
-use crate::mode::Mode;
+use crate::mode::{DepthCue, Mode};
 use crate::reference;
-use crate::sample::Sampler;
+use crate::sample::{Classification, Gradients, Sampler};
 use crate::scene::{CountedPicture, Picture, Progress, Scene};
 use crate::skip::{Cuts, Plan, Skip};
 use crate::transfer::{Domain, TABLE_SIZES, Table, TransferFunction};
 use crate::volume::{Volume, statistics};
 
 use self::auto::Chooser;
-use self::gpu::{GpuBackend, Job};
+use self::classes::Classes;
+use self::gpu::{GpuBackend, Job, JobClasses};
+use self::slices::Slices;
 use self::structures::Structures;
 
 pub use self::auto::{BLOCKS, Choice, DEFAULT_BLOCK, MethodChoice};
-pub use self::gpu::Targets;
-
+pub use self::backend::{BackendChoice, BackendInfo};
 #[cfg(feature = "viewer")]
 pub(crate) use self::cache::file as cache_file;
-
-/// Which backend to take.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum BackendChoice {
-    /// A hardware GPU if there is one, else the CPU. A software adapter only when asked for by [`Self::Gpu`].
-    Auto,
-    /// The best adapter there is, hardware or software.
-    Gpu,
-    /// The CPU, with SIMD.
-    Cpu,
-    /// The CPU in f64: slow, and what the others are measured against.
-    Reference,
-}
-
-impl BackendChoice {
-    /// All choices.
-    pub const ALL: &[Self] = &[Self::Auto, Self::Gpu, Self::Cpu, Self::Reference];
-
-    /// The name used by flags and reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Gpu => "gpu",
-            Self::Cpu => "cpu",
-            Self::Reference => "reference",
-        }
-    }
-}
+pub use self::gpu::Targets;
+pub use self::slices::SliceCount;
 
 /// Everything that is chosen for one picture besides the volume and its transfer function.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,8 +48,14 @@ pub struct Settings {
     pub cuts: Cuts,
     /// HOW; `None`: the backend's default.
     pub sampler: Option<Sampler>,
+    /// When samples get their colour.
+    pub classification: Classification,
     /// WHAT is done with them.
     pub mode: Mode,
+    /// Where modes that light surfaces take gradients from; the others do not read it.
+    pub gradients: Gradients,
+    /// Share of light that colours lose at the farthest point of the box ([`DepthCue`]); 0: none.
+    pub depth_cue: f64,
     /// Leaf block edge in voxels: a power of two, 2 to 64.
     pub block: usize,
     /// Distance of two samples in voxels of the smallest spacing.
@@ -85,6 +70,9 @@ pub struct Settings {
     pub clipping: Clipping,
     /// Entries of the baked table: one of [`crate::transfer::TABLE_SIZES`].
     pub table_entries: usize,
+    /// Blends so many slices across the view in place of casting rays: on the GPU, with [`Skip::Box`], and no ray stops
+    /// early. Their distance is the step then. `None`: rays are cast.
+    pub slices: Option<SliceCount>,
 }
 
 impl Settings {
@@ -95,7 +83,10 @@ impl Settings {
             skip: Skip::Box,
             cuts: Cuts::default(),
             sampler: None,
+            classification: Classification::Post,
             mode: Mode::EmissionAbsorption,
+            gradients: Gradients::Fly,
+            depth_cue: 0.0,
             block: DEFAULT_BLOCK,
             step_voxels: 0.5,
             ert: 0.98,
@@ -103,31 +94,19 @@ impl Settings {
             camera,
             clipping: Clipping::NONE,
             table_entries: TABLE_SIZES[1],
+            slices: None,
         }
     }
-}
-
-/// What draws the pictures.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BackendInfo {
-    /// `gpu` or `reference`.
-    pub backend: &'static str,
-    /// The adapter's name, or the processor's number of threads.
-    pub adapter: String,
-    /// Driver name and version.
-    pub driver: String,
-    /// Whether it runs on the CPU.
-    pub is_software: bool,
 }
 
 /// What it took to build the structures that a frame needs.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Preparation {
-    /// Building leaves and trees, in ms; structures that were kept report the time of their build.
+    /// Building leaves, trees and a volume of gradients, in ms; structures that were kept report the time of their build.
     pub preprocess_ms: f64,
     /// Culling them for the table and making faces, in ms.
     pub cull_ms: f64,
-    /// Bytes of trees, occupancy and vertex buffers.
+    /// Bytes of trees, occupancy, vertex buffers and a volume of gradients.
     pub structure_bytes: u64,
 }
 
@@ -140,6 +119,8 @@ pub struct FrameTimes {
     pub cast_ms: f64,
     /// All of it, wall time, read-back excluded, in ms.
     pub frame_ms: f64,
+    /// Both passes by the adapter's own clock, in ms; `None` where it tells no time.
+    pub gpu_ms: Option<f64>,
 }
 
 /// A picture and what it took.
@@ -164,6 +145,7 @@ pub struct Renderer {
     transfer: Option<TransferFunction>,
     /// The table baked last, with what it was baked for.
     table: Option<(TableKey, Arc<Table>)>,
+    classes: Classes,
     progress: Arc<Progress>,
     /// Methods that failed this adapter's self-check: drawn by box instead.
     withdrawn: Vec<Skip>,
@@ -191,106 +173,6 @@ struct TableKey {
 }
 
 impl Renderer {
-    /// Opens a backend.
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] where an adapter was asked for and there is none.
-    pub fn new(choice: BackendChoice) -> Result<Self> {
-        let progress = Arc::<Progress>::default();
-        match choice {
-            BackendChoice::Gpu => Self::on(
-                GpuBackend::open(AdapterKind::Any, Arc::clone(&progress))?,
-                progress,
-            ),
-            BackendChoice::Auto => {
-                match GpuBackend::open(AdapterKind::Hardware, Arc::clone(&progress)) {
-                    Ok(backend) => Self::on(backend, progress),
-                    Err(error) => {
-                        tracing::info!("{error}; drawing on the CPU");
-                        Self::new(BackendChoice::Cpu)
-                    }
-                }
-            }
-            BackendChoice::Cpu => Ok(Self::with_backend(
-                Backend::Cpu(Box::new(Picture {
-                    size: [0, 0],
-                    rgba: Vec::new(),
-                })),
-                BackendInfo {
-                    backend: "cpu",
-                    adapter: format!(
-                        "{} threads, {}",
-                        rayon::current_num_threads(),
-                        cpu::Path::best().name()
-                    ),
-                    driver: format!("hollowcast {}", env!("CARGO_PKG_VERSION")),
-                    is_software: true,
-                },
-                progress,
-            )),
-            BackendChoice::Reference => Ok(Self::with_backend(
-                Backend::Reference,
-                BackendInfo {
-                    backend: "reference",
-                    adapter: format!("{} threads", rayon::current_num_threads()),
-                    driver: format!("hollowcast {}", env!("CARGO_PKG_VERSION")),
-                    is_software: true,
-                },
-                progress,
-            )),
-        }
-    }
-
-    /// Draws on a device that the caller owns; see [`Gpu::from_device`].
-    ///
-    /// # Errors
-    /// [`Error::Gpu`] where the device cannot compile the passes.
-    pub fn with_device(gpu: Gpu) -> Result<Self> {
-        let progress = Arc::<Progress>::default();
-        Self::on(
-            GpuBackend::with_device(gpu, Arc::clone(&progress))?,
-            progress,
-        )
-    }
-
-    /// On this backend, less what its self-check withdraws.
-    fn on(backend: GpuBackend, progress: Arc<Progress>) -> Result<Self> {
-        let info = &backend.gpu().info;
-        let info = BackendInfo {
-            backend: "gpu",
-            adapter: info.name.clone(),
-            driver: format!("{} {}", info.driver, info.driver_info)
-                .trim()
-                .to_owned(),
-            is_software: backend.gpu().is_software(),
-        };
-        let mut renderer = Self::with_backend(Backend::Gpu(Box::new(backend)), info, progress);
-        renderer.withdrawn =
-            self_check::withdrawn(&mut renderer, cache::file("self-check.json").as_deref())?;
-        for skip in &renderer.withdrawn {
-            tracing::warn!(
-                "{} failed the self-check on this adapter: box is drawn instead",
-                skip.method().name
-            );
-        }
-        renderer.forget_volume();
-        Ok(renderer)
-    }
-
-    fn with_backend(backend: Backend, info: BackendInfo, progress: Arc<Progress>) -> Self {
-        Self {
-            backend,
-            info,
-            volume: None,
-            structures: Structures::default(),
-            transfer: None,
-            table: None,
-            progress,
-            withdrawn: Vec::new(),
-            chooser: Chooser::default(),
-        }
-    }
-
     /// What draws the pictures.
     pub fn info(&self) -> &BackendInfo {
         &self.info
@@ -328,6 +210,9 @@ impl Renderer {
     /// Drops all that was built for the volume: the next frame builds what it needs anew, as if it were the first.
     pub fn drop_structures(&mut self) {
         self.structures.clear();
+        if let Backend::Gpu(backend) = &mut self.backend {
+            backend.drop_gradients();
+        }
     }
 
     fn forget_volume(&mut self) {
@@ -362,6 +247,7 @@ impl Renderer {
         self.with_drawing(settings, |drawing, preparation| {
             let mut preparation = *preparation;
             if let Drawing::Gpu(backend, job) = drawing {
+                preparation.preprocess_ms += backend.make_gradients(job)?;
                 let start = Instant::now();
                 backend.prepare(job)?;
                 preparation.cull_ms += ms_since(start);
@@ -421,6 +307,10 @@ impl Renderer {
     /// As [`Self::draw`]; [`Error::Setting`] where this renderer does not draw on a GPU.
     pub fn render_to(&mut self, settings: &Settings, targets: &Targets) -> Result<FrameTimes> {
         self.with_drawing(settings, |drawing, _| match drawing {
+            Drawing::Gpu(_, job) if job.slices.is_some() => Err(Error::setting(
+                "renderer",
+                "slices are drawn as pictures of their own, not over a caller's",
+            )),
             Drawing::Gpu(backend, job) => backend.render_to(job, targets),
             Drawing::Cpu(..) | Drawing::Reference(..) => Err(Error::setting(
                 "backend",
@@ -467,6 +357,8 @@ impl Renderer {
         settings.skip.check_backend(self.info.backend)?;
         settings.mode.check_backend(self.info.backend)?;
         settings.mode.check()?;
+        classes::check(settings, self.info.backend)?;
+        DepthCue::check(settings.depth_cue, &settings.mode, self.info.backend)?;
         if settings.skip == Skip::Adaptive && !settings.mode.takes_table() {
             let reason = format!(
                 "adaptive follows the transfer function, of which {} makes no use",
@@ -474,10 +366,34 @@ impl Renderer {
             );
             return Err(Error::setting("method", reason));
         }
+        let slices = match settings.slices {
+            Some(count) => {
+                slices::check(settings, self.info.backend)?;
+                let (camera, clipping) = (&settings.camera, &settings.clipping);
+                Some(Slices::new(count, camera, volume.extent(), clipping))
+            }
+            None => None,
+        };
+        let sliced;
+        let settings = if let Some(slices) = &slices {
+            sliced = Settings {
+                step_voxels: slices.distance,
+                ..*settings
+            };
+            &sliced
+        } else {
+            settings
+        };
         let sampler = self.sampler(settings);
         let table = self.table(settings, &volume)?;
+        let pairs = self
+            .classes
+            .pairs(settings, &table, self.structures.range());
+        // What says where samples show anything.
+        let shown = pairs.as_ref().map_or(&table, |p| p.content.nodes());
         let frame = RayFrame {
             clipping: settings.clipping,
+            reach: settings.classification.reach(),
             ..settings
                 .camera
                 .ray_frame(&volume, settings.size, settings.step_voxels)?
@@ -487,22 +403,39 @@ impl Renderer {
             table: &table,
             frame: &frame,
             sampler,
+            classification: settings.classification,
             mode: settings.mode,
+            gradients: settings.gradients,
+            depth_cue: settings.depth_cue,
             ert: settings.ert,
         };
         self.progress.restart();
         match &mut self.backend {
             Backend::Gpu(backend) => {
-                let (needs, preparation) = self.structures.gpu_needs(settings, &scene, &table)?;
+                let [low, high] = self.structures.range();
+                let (needs, mut preparation) =
+                    self.structures.gpu_needs(settings, &scene, shown)?;
+                preparation.cull_ms += pairs.as_ref().map_or(0.0, |p| p.ms);
+                let classes = match (&pairs, settings.classification) {
+                    (Some(p), _) => JobClasses::PreIntegrated(p.id, &p.content),
+                    (None, Classification::Pre) => JobClasses::Pre(&table),
+                    (None, _) => JobClasses::Post,
+                };
                 let job = Job {
-                    scene,
+                    scene: Scene {
+                        table: shown,
+                        ..scene
+                    },
+                    classes,
                     skip: settings.skip,
                     camera: &settings.camera,
                     parts: needs.parts,
                     masks: needs.masks,
                     blocks: needs.blocks,
                     block: settings.block,
+                    stored_span: high - low,
                     active: &needs.active,
+                    slices,
                 };
                 work(&mut Drawing::Gpu(backend, job), &preparation)
             }
@@ -514,7 +447,7 @@ impl Renderer {
                 )
             }
             Backend::Reference => {
-                let (plan, preparation) = self.structures.plan(settings, &scene, &table)?;
+                let (plan, preparation) = self.structures.plan(settings, &scene, shown)?;
                 work(
                     &mut Drawing::Reference(scene, plan, &self.progress),
                     &preparation,
@@ -557,6 +490,7 @@ fn draw_cpu(
         raster_ms: 0.0,
         cast_ms: frame_ms,
         frame_ms,
+        gpu_ms: None,
     })
 }
 
@@ -574,6 +508,7 @@ fn draw_reference(
             raster_ms: 0.0,
             cast_ms: frame_ms,
             frame_ms,
+            gpu_ms: None,
         },
     ))
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use crate::error::{Error, Result};
 use crate::lattice::RayFrame;
 use crate::mode::Mode;
-use crate::sample::Sampler;
+use crate::sample::{Classification, Gradients, Sampler};
 use crate::transfer::Table;
 use crate::volume::Volume;
 
@@ -21,8 +21,14 @@ pub struct Scene<'a> {
     pub frame: &'a RayFrame,
     /// HOW.
     pub sampler: Sampler,
+    /// When samples get their colour; what it needs of them, [`RayFrame::reach`] says too.
+    pub classification: Classification,
     /// WHAT.
     pub mode: Mode,
+    /// Where modes that light surfaces take gradients from.
+    pub gradients: Gradients,
+    /// Share of light that colours lose at the farthest point of the box ([`crate::mode::DepthCue`]); 0: none.
+    pub depth_cue: f64,
     /// Accumulated opacity at which a ray stops; 1 or more: never.
     pub ert: f32,
 }

@@ -77,6 +77,17 @@ impl TransferFunction {
         &self.points
     }
 
+    /// Whether any data value in [low, high] has opacity.
+    pub fn shows_any_of(&self, [low, high]: [f64; 2]) -> bool {
+        let is_shown = |value: f64| self.at(value).1 > 0.0;
+        let mut within = self
+            .points
+            .iter()
+            .filter(|p| low <= p.value && p.value <= high);
+        // Opacity is linear between points: where it is none at all of these, it is none between them.
+        is_shown(low) || is_shown(high) || within.any(|p| p.opacity > 0.0)
+    }
+
     /// Colour (not premultiplied) and opacity per reference length at a data value. At a jump: the upper side.
     pub fn at(&self, value: f64) -> ([f64; 3], f64) {
         let after = self.points.partition_point(|p| p.value <= value);
@@ -127,7 +138,7 @@ pub fn opacity_per_step(opacity: f64, ratio: f64) -> f64 {
 /// The origin is subtracted first: f32 data far from zero keep what precision they have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Domain {
-    /// Number of entries N: 256, 4,096 or 65,536.
+    /// Number of entries N: 256, 4,096 or 65,536; of a part of such a table, any.
     pub entries: usize,
     /// Table coordinate per stored unit.
     pub scale: f64,
@@ -180,6 +191,18 @@ impl Domain {
         })
     }
 
+    /// The domain of a table of `entries` whose entry i lies at `first + i * spacing` in this one.
+    #[must_use]
+    pub fn part(&self, first: f64, spacing: f64, entries: usize) -> Self {
+        Self {
+            entries,
+            scale: self.scale / spacing,
+            origin: self.origin + first / self.scale,
+            span: (self.span / spacing).max(entries as f64),
+            rescale: self.rescale,
+        }
+    }
+
     /// Table coordinate of a stored number (not clamped).
     pub fn x_from_stored(&self, stored: f64) -> f64 {
         (stored - self.origin) * self.scale
@@ -219,7 +242,8 @@ pub struct Table {
 }
 
 impl Table {
-    fn new(rgba: Vec<[f32; 4]>, domain: Domain) -> Self {
+    /// A table of these entries, as many as the domain says.
+    pub fn new(rgba: Vec<[f32; 4]>, domain: Domain) -> Self {
         let mut visible_before = Vec::with_capacity(rgba.len() + 1);
         let mut count = 0;
         visible_before.push(count);

@@ -66,6 +66,8 @@ fn bad_input_is_answered_in_one_line_that_names_it_and_with_2() {
     let picture = path(folder.path(), "p.png");
     let nonsense = path(folder.path(), "nonsense.nrrd");
     fs::write(&nonsense, "this is no volume").unwrap();
+    let empty = path(folder.path(), "empty.toml");
+    fs::write(&empty, "points = []").unwrap();
     let into = |volume, more: &[&str]| -> (i32, String) {
         let mut args = vec!["render", volume, "-o", &picture, "--backend", "reference"];
         args.extend(more);
@@ -103,6 +105,9 @@ fn bad_input_is_answered_in_one_line_that_names_it_and_with_2() {
             "reference",
         ),
         (into(sphere, &["--tf", "guess"]), "translucent"),
+        (into(sphere, &["--tf", &empty]), "points"),
+        (into(sphere, &["--slices", "5"]), "--renderer slices"),
+        (into(sphere, &["--renderer", "slices"]), "gpu"),
         (into(sphere, &["--block", "5"]), "16"),
         (into(sphere, &["--table-size", "5"]), "4096"),
         (into(sphere, &["--step", "0"]), "--step"),
@@ -121,7 +126,7 @@ fn bad_input_is_answered_in_one_line_that_names_it_and_with_2() {
         assert!(error.contains(named), "{named:?} is not in: {error}");
         assert!(error.starts_with("error: "), "{error}");
     }
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
 }
 
 #[test]
@@ -157,22 +162,31 @@ fn clipping_follows_voxels_and_tells_where_nothing_is_left() {
 }
 
 #[test]
-fn a_surface_beyond_all_data_is_an_empty_picture_and_a_warning() {
+fn what_shows_nothing_is_an_empty_picture_and_a_warning() {
     let folder = tempfile::tempdir().unwrap();
     let picture = path(folder.path(), "p.npy");
-    let sphere = "phantom:sphere:12";
-    let mut args = vec!["render", sphere, "-o", &picture, "--mode", "phong"];
-    args.extend(["--iso", "300"]);
-    args.extend(SMALL);
-    let output = hollowcast(&args);
-    assert!(output.status.success());
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        errors.starts_with("warning: iso 300") && errors.lines().count() == 1,
-        "{errors}"
-    );
-    let (_, numbers) = read_npy(&picture);
-    assert!(numbers.iter().all(|&n| n == 0.0));
+    for (flags, warning) in [
+        (["--mode", "phong", "--iso", "300"], "iso 300"),
+        (["--mode", "mip", "--window", "300:400"], "window 300:400"),
+        (["--mode", "minip", "--window", "-9:0"], "window -9:0"),
+        (
+            ["--mode", "shaded", "--tf", "ramp:300:400:0.5"],
+            "the transfer function",
+        ),
+    ] {
+        let mut args = vec!["render", "phantom:sphere:12", "-o", &picture];
+        args.extend(flags);
+        args.extend(SMALL);
+        let output = hollowcast(&args);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{errors}");
+        assert!(
+            errors.starts_with(&format!("warning: {warning}")) && errors.lines().count() == 1,
+            "{errors}"
+        );
+        let (_, numbers) = read_npy(&picture);
+        assert!(numbers.iter().all(|&n| n == 0.0));
+    }
 }
 
 #[test]
@@ -381,6 +395,9 @@ fn a_comparison_has_a_row_for_everything_that_was_asked_for() {
         "raster_ms",
         "cast_ms",
         "frame_ms",
+        "frame_q1_ms",
+        "frame_q3_ms",
+        "gpu_ms",
         "read_back_ms",
         "speedup_vs_box",
         "samples_per_pixel",
@@ -389,6 +406,7 @@ fn a_comparison_has_a_row_for_everything_that_was_asked_for() {
         "structure_bytes",
         "differing_pixels_vs_box",
         "max_abs_diff_vs_box",
+        "max_abs_diff_vs_reference",
         "psnr_vs_reference_db",
     ];
     keys.sort_unstable();

@@ -20,7 +20,7 @@ use hollowcast::measure::statistics::line_through;
 use hollowcast::mode::Mode;
 use hollowcast::octree::{Accelerator, Occupancy};
 use hollowcast::output::chart::{Chart, Line, Panel};
-use hollowcast::sample::Sampler;
+use hollowcast::sample::{Classification, Gradients, Sampler};
 use hollowcast::scene::Scene;
 use hollowcast::skip::Skip;
 use hollowcast::transfer::{ControlPoint, Domain, Table, TransferFunction};
@@ -344,7 +344,10 @@ fn scene<'a>(volume: &'a Volume, table: &'a Table, frame: &'a RayFrame) -> Scene
         table,
         frame,
         sampler: Sampler::Exact,
+        classification: Classification::Post,
         mode: Mode::EmissionAbsorption,
+        gradients: Gradients::Fly,
+        depth_cue: 0.0,
         ert: 0.98,
     }
 }

@@ -1,9 +1,9 @@
 // Emission and absorption, each sample lit by the gradient around it.
-#import sample/post
+#import sample/{CLASSIFICATION}
 #import shared/surface
 
 fn mode_sample(state: ptr<function, vec4f>, x: f32, k: u32, ray: Ray) -> bool {
-    var color = post_classify(x);
+    var color = classify(x, k, ray);
     if all(color == vec4f(0.0)) {
         return false;
     }
@@ -17,7 +17,7 @@ fn mode_sample(state: ptr<function, vec4f>, x: f32, k: u32, ray: Ray) -> bool {
         let light = reflected(select(n, -n, dot(n, eye) < 0.0), eye);
         color = vec4f(color.rgb * light.x + color.a * light.y, color.a);
     }
-    *state = *state + (1.0 - (*state).a) * color;
+    *state = *state + (1.0 - (*state).a) * vec4f(cued(color.rgb, f32(k), ray), color.a);
     return true;
 }
 

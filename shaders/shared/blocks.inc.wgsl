@@ -1,8 +1,10 @@
 // What methods with a shader of their own know of every leaf block, and where a ray leaves one.
 #import shared/ray
 #import shared/march_settings
+#import bound/{BOUND}
 
-// Bits as octree::Occupancy has them, or bytes, x fastest, the first in a word's lowest bits.
+// Bits as octree::Occupancy has them, or bytes, x fastest, the first in a word's lowest bits; after them, where a mode is
+// bounded, the majorants as bytes.
 @group(1) @binding(3) var<storage, read> blocks: array<u32>;
 
 // How far beyond an empty block's face the sample after a leap may lie (distance_map::REACH).

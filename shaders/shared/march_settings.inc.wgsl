@@ -28,6 +28,11 @@ struct MarchSettings {
     block_dims: vec3u,
     // Words for every pixel of what is found out before the march.
     ray_words: u32,
+    // Where in shared/blocks' `blocks` the majorants begin, in words; not read where there are none.
+    majorants: u32,
+    pad1: u32,
+    pad2: u32,
+    pad3: u32,
 }
 
 // 8x8 pixels to march. Mirrors gpu::abi::Tile.

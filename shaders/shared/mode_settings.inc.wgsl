@@ -25,7 +25,13 @@ struct ModeSettings {
     outer_iso: f32,
     // Length of a gradient up to which it has no direction to speak of.
     least_gradient: f32,
-    pad1: f32,
+    // Table coordinates per number in the volume of gradients, and how many of its cells an edge of a voxel takes.
+    gradient_scale: f32,
+    cells_per_voxel: f32,
+    // Share of light lost at the farthest point of the box; depths are from the plane that rays start on.
+    cue_strength: f32,
+    cue_start: f32,
+    cue_scale: f32,
 }
 
 @group(0) @binding(8) var<uniform> mode: ModeSettings;

@@ -9,6 +9,8 @@ const EDGE = 0x1p-10;
 struct Ray {
     entry: vec3f,
     delta: vec3f,
+    // Where the part that is drawn begins and ends, in steps from the entry into the box.
+    drawn: vec2f,
     k_near: u32,
     k_end: u32,
     // Unclamped entry into the box, local units from the ray's start.
@@ -43,18 +45,23 @@ fn ray_through(pixel: vec2u) -> Ray {
     ray.delta = d * view.step * view.grid_from_local;
     var k_near = max(ceil(-t_box / view.step - (0.5 + EDGE)), 0.0);
     var k_end = max(ceil(chord / view.step - (0.5 + EDGE)), 0.0);
+    var drawn = vec2f(max(-t_box / view.step, 0.0), chord / view.step);
     for (var i = 0u; i < view.clip_count; i++) {
         let plane = view.clip_planes[i];
         let height = dot(plane.xyz, l.start) + plane.w;
         let along = dot(plane.xyz, d);
         let is_parallel = abs(along) < PARALLEL;
         let t = -height / select(along, 1.0, is_parallel);
-        let k = ceil((t - t_box) / view.step - (0.5 + EDGE));
+        let s = (t - t_box) / view.step;
+        let k = ceil(s - (0.5 + EDGE));
         // Where the ray passes the plane, one of its sides begins with the sample that the other ends before.
         k_near = select(k_near, max(k_near, k), !is_parallel && along > 0.0);
         k_end = select(k_end, max(min(k_end, k), 0.0), !is_parallel && along < 0.0);
         k_end = select(k_end, 0.0, is_parallel && height < 0.0);
+        drawn.x = select(drawn.x, max(drawn.x, s), !is_parallel && along > 0.0);
+        drawn.y = select(drawn.y, min(drawn.y, s), !is_parallel && along < 0.0);
     }
+    ray.drawn = drawn;
     ray.k_near = u32(min(k_near, k_end));
     ray.k_end = u32(k_end);
     ray.t_box = t_box;
@@ -65,4 +72,9 @@ fn ray_through(pixel: vec2u) -> Ray {
 // Grid position of sample k.
 fn lattice(ray: Ray, k: u32) -> vec3f {
     return ray.entry + (f32(k) + 0.5) * ray.delta;
+}
+
+// Grid position from where on sample k reaches along the ray; of one that is a point, that point.
+fn lattice_front(ray: Ray, k: u32) -> vec3f {
+    return ray.entry + (f32(k) + (0.5 - view.reach)) * ray.delta;
 }

@@ -1,5 +1,7 @@
 // Surfaces: where a ray crosses them, how they lie there, and how they are lit. Twin of mode::surface.
 #import shared/mode_settings
+#import gradient/{GRADIENT}
+#import cue/{CUE}
 
 // Halvings of the step in which a surface is crossed (surface::HALVINGS).
 const HALVINGS = 10u;
@@ -8,11 +10,10 @@ fn is_inside(x: f32, iso: f32) -> bool {
     return (x - iso) * mode.direction >= 0.0;
 }
 
-// Where the interpolated field comes to `iso` between sample k, which is inside, and the one before, which is not, to
-// 2^-11 of a step.
-fn crossing(ray: Ray, k: u32, iso: f32) -> vec3f {
+// How many steps before sample k, which is inside, the interpolated field comes to `iso`; the one before k is not inside.
+// To 2^-11 of a step.
+fn crossing(ray: Ray, k: u32, iso: f32) -> f32 {
     let at = lattice(ray, k);
-    // In steps before sample k.
     var inside = 0.0;
     var outside = 1.0;
     for (var i = 0u; i < HALVINGS; i++) {
@@ -21,16 +22,16 @@ fn crossing(ray: Ray, k: u32, iso: f32) -> vec3f {
         inside = select(inside, middle, goes_in);
         outside = select(middle, outside, goes_in);
     }
-    return at - 0.5 * (inside + outside) * ray.delta;
+    return 0.5 * (inside + outside);
 }
 
-// Central differences over two voxels, per local unit, of data values (in units of the table). No loop: drivers bound the
-// iterations of all loops together.
-fn gradient(at: vec3f) -> vec3f {
-    let x = sample_x(at + vec3f(1.0, 0.0, 0.0)) - sample_x(at - vec3f(1.0, 0.0, 0.0));
-    let y = sample_x(at + vec3f(0.0, 1.0, 0.0)) - sample_x(at - vec3f(0.0, 1.0, 0.0));
-    let z = sample_x(at + vec3f(0.0, 0.0, 1.0)) - sample_x(at - vec3f(0.0, 0.0, 1.0));
-    return vec3f(x, y, z) * view.grid_from_local * mode.direction;
+// The colour of the surface at `iso`, faded as the depth asks at which the ray meets it before sample k (at the first sample
+// where it begins inside).
+fn cued_surface(color: vec3f, ray: Ray, k: u32, iso: f32) -> vec3f {
+    if !CUES {
+        return color;
+    }
+    return cued(color, f32(k) - select(crossing(ray, k, iso), 0.0, k <= ray.k_near), ray);
 }
 
 // The unit direction from a ray's samples to its eye.
@@ -42,7 +43,7 @@ fn to_eye(ray: Ray) -> vec3f {
 // The normal of the (inner) surface where the ray comes to it before sample k: towards less. Towards the eye where the data
 // have no gradient, and where the ray begins inside: there it meets no surface but a cut.
 fn surface_normal(ray: Ray, k: u32, eye: vec3f) -> vec3f {
-    let g = gradient(crossing(ray, k, mode.iso));
+    let g = gradient(lattice(ray, k) - crossing(ray, k, mode.iso) * ray.delta);
     let length = sqrt(dot(g, g));
     let is_cut = k <= ray.k_near;
     return select(-g / max(length, 1e-20), eye, is_cut || length <= mode.least_gradient);
@@ -63,5 +64,5 @@ fn reflected(normal: vec3f, eye: vec3f) -> vec2f {
 fn lit_surface(ray: Ray, k: u32) -> vec3f {
     let eye = to_eye(ray);
     let light = reflected(surface_normal(ray, k, eye), eye);
-    return mode.color * light.x + light.y;
+    return cued_surface(mode.color * light.x + light.y, ray, k, mode.iso);
 }

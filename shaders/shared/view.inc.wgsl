@@ -17,7 +17,8 @@ struct View {
     // Depth of the rays' start plane before the eye.
     start_depth: f32,
     dir_dy: vec3f,
-    pad1: f32,
+    // How far a sample reaches along its ray to both sides, in steps (lattice::RayFrame::reach): 0 or 1/2.
+    reach: f32,
     extent: vec3f,
     pad2: f32,
     grid_from_local: vec3f,

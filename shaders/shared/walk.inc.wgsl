@@ -11,12 +11,12 @@ struct Segment {
 
 fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
     let parallel = ray.delta == vec3f(0.0);
-    return Segment(block_at(lattice(ray, k)), 1.0 / select(ray.delta, vec3f(1.0), parallel));
+    return Segment(block_at(lattice_front(ray, k)), 1.0 / select(ray.delta, vec3f(1.0), parallel));
 }
 
 // The samples from k on that lie before the block's end, or the empty segment there; and on to the next block. A sample on
 // a face, or one that rounding put there, counts as of either side: an inactive block answers for half a voxel around it.
-fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
+fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     const FAR = 1e30;
     let block = (*segment).block;
     let forward = vec3f(0.0) < ray.delta;
@@ -27,6 +27,9 @@ fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
     let leave = select((plane * view.block - ray.entry) * (*segment).inverse - 0.5, vec3f(FAR), stays);
     let least = min(min(leave.x, leave.y), leave.z);
     (*segment).block = select(block, next, (leave <= vec3f(least)) & !stays);
-    let end = max(k, u32(clamp(ceil(least), 0.0, f32(ray.k_end))));
-    return vec2u(select(end, k, block_bit(block)), end);
+    let is_active = block_bit(block) && may_add(block, state);
+    // Samples that reach from one block into the next are the active one's.
+    let before = ceil(least + select(-view.reach, view.reach, is_active));
+    let end = max(k, u32(clamp(before, 0.0, f32(ray.k_end))));
+    return vec2u(select(end, k, is_active), end);
 }

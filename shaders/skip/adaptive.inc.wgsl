@@ -13,7 +13,7 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
 
 // The samples from k on that lie in its block, as far as whole strides go; of a stride that does not fit, the largest half
 // that does. A block's byte is 0 where it is empty, otherwise 1 + log2 of its stride.
-fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
+fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     if k >= ray.k_end {
         return vec2u(k);
     }

@@ -23,7 +23,7 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
     if settings.takes_runs == 0u {
         let scale = ray.length / (view.depth_scale * view.step);
         // One sample more at each end: the rasteriser rounds.
-        return Segment(0u, settings.segment_count, pixel, scale, ray.t_box / view.step + 0.5, 1.0);
+        return Segment(0u, settings.segment_count, pixel, scale, ray.t_box / view.step + 0.5, 1.0 + view.reach);
     }
     let along = vec3u(0u, 1u, 2u) == vec3u(tile.axis);
     let delta = dot(select(vec3f(0.0), ray.delta, along), vec3f(1.0));
@@ -32,12 +32,12 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
     let entry = dot(select(vec3f(0.0), ray.entry, along), vec3f(1.0));
     let voxels = dot(select(vec3f(0.0), settings.dims, along), vec3f(1.0));
     // Roundings of the crossing and of the sample's own position: some twelve of 2^-24 over the whole axis, doubled.
-    let pad = 0x1p-9 + abs(voxels * scale) * 0x1p-19;
+    let pad = view.reach + 0x1p-9 + abs(voxels * scale) * 0x1p-19;
     return Segment(tile.first_run, tile.first_run + tile.run_count, pixel, scale, entry * scale + 0.5, pad);
 }
 
 // The next segment [x, y) at or after sample k; from the ray's end on where there is none.
-fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
+fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     if settings.segment_count + settings.takes_runs == 0u {
         return vec2u(k, ray.k_end);
     }

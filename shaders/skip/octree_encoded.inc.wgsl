@@ -12,8 +12,15 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
     return Segment(0u);
 }
 
-// Sample k where its block is active, otherwise the empty segment after it.
-fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
+// Sample k where its block is active and may add something, otherwise the empty segment after it.
+fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     let next = min(k, ray.k_end);
-    return vec2u(next + select(1u, 0u, block_bit(block_at(lattice(ray, k)))), next + 1u);
+    let front = block_at(lattice_front(ray, k));
+    var is_active = block_bit(front) && may_add(front, state);
+    if view.reach > 0.0 {
+        // What lies between the values of two blocks that touch is theirs too: their supports overlap.
+        let back = block_at(lattice_front(ray, k + 1u));
+        is_active = is_active || block_bit(back) || any(abs(back - front) > vec3f(1.0));
+    }
+    return vec2u(next + select(1u, 0u, is_active), next + 1u);
 }

@@ -15,7 +15,7 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
 }
 
 // The next run within sample k's word, or the empty segment after the word.
-fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
+fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     if k >= ray.k_end {
         return vec2u(k);
     }

@@ -15,7 +15,7 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
     return Segment(0u, pixel.y * view.size.x + pixel.x);
 }
 
-fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
+fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     let slot = (*segment).slot;
     (*segment).slot = slot + 1u;
     var next = vec2u(0u);

@@ -25,7 +25,7 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
     return Segment(probe(ray, k / COARSE * COARSE));
 }
 
-fn skip_next(segment: ptr<function, Segment>, ray: Ray, k: u32) -> vec2u {
+fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     if k >= ray.k_end {
         return vec2u(k);
     }

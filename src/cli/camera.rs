@@ -86,6 +86,11 @@ impl CameraSpec {
 }
 
 impl CameraSpec {
+    /// Whether it goes around the box.
+    pub(super) fn is_around(&self) -> bool {
+        matches!(self, Self::Around(_))
+    }
+
     /// So many views evenly around the box; a camera at a place is one.
     pub(super) fn views(&self, volume: &Volume, count: u32) -> Vec<Camera> {
         let count = match self {

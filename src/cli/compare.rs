@@ -1,19 +1,24 @@
 //! `hollowcast compare`: methods against box, in time and in pictures.
 
+use std::cmp::Ordering::Equal;
 use std::sync::Arc;
 
-use hollowcast::Result;
 use hollowcast::lattice::Clipping;
-use hollowcast::measure::compare::{Comparison, Plan, ReferencePlan, Row, compare};
+use hollowcast::measure::compare::{Against, Comparison, Plan, ReferencePlan, Row, compare};
+use hollowcast::measure::machine::Machine;
 use hollowcast::mode::Mode;
-use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Renderer};
+use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Renderer, SliceCount};
 use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::TransferFunction;
-use hollowcast::volume::Volume;
+use hollowcast::volume::{Statistics, Volume};
+use hollowcast::{Error, Result};
 use serde_json::{Value, json};
 
+use super::mode_args;
+use super::mode_speeds;
 use super::progress::Progress;
 use super::scene_args::{self, SceneArgs};
+use super::slice_args::{SliceArgs, Technique};
 use super::values::{self, Step};
 use super::volume_args::VolumeArgs;
 use super::{report, table};
@@ -23,12 +28,16 @@ Examples:
   hollowcast compare scan.nrrd
   hollowcast compare scan.nrrd --methods box,hull,half-split,auto --steps 0.002u,0.005u,0.01u --json
   hollowcast compare teapot.nrrd --pad-cube --tf ramp:40:255:0.3 --blocks 4,8,16
+  hollowcast compare scan.nrrd --against truth --steps 0.25,0.5,1
   hollowcast compare phantom:noise:128 --backends cpu,gpu --size 256 --repeat 5
+  hollowcast compare scan.nrrd --modes all --methods box,beam-masks,grid-dda --backends gpu --steps 0.005u
+  hollowcast compare phantom:shells:512x512x100 --modes mip --renderer rays,slices --slices 106 --size 800x600 --backends gpu
 
 Every method draws every view, in interleaved runs (A B C, A B C, ...); a view's time is the median of its runs, a row's
 the mean over its views. frame_ms is a frame after the structures stand, without read-back (read_back_ms). Counters and
-pictures come from separate, untimed runs. psnr_vs_reference_db holds a smaller picture, without early termination, against
-the f64 reference: null where it is equal or was not measured.";
+pictures come from separate, untimed runs. psnr_vs_reference_db holds a smaller picture against the f64 reference at the same
+step, without early termination, or, --against truth, the picture as it is against what it tends to: null where it is equal
+or was not measured. Slices keep their own distance, whatever the step.";
 
 /// Compares methods with bounding-box casting over an orbit of views.
 #[derive(Debug, clap::Args)]
@@ -43,6 +52,22 @@ pub(super) struct Args {
     /// The methods, on every backend that has them, and auto; box is added where it is missing [default: all methods]
     #[arg(long, value_delimiter = ',', value_parser = values::method_or_auto(), help_heading = "Comparison")]
     methods: Vec<MethodChoice>,
+
+    /// Modes whose speeds are compared in place of one --mode, in pictures per second; their parameters suit the data
+    #[arg(long, value_delimiter = ',', value_name = "all|MODE,...", value_parser = mode_args::names(), conflicts_with = "mode", help_heading = "Comparison")]
+    modes: Vec<String>,
+
+    /// rays: the methods above; slices: slices too, beside box at least
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "rays",
+        help_heading = "Comparison"
+    )]
+    renderer: Vec<Technique>,
+
+    #[command(flatten)]
+    slices: SliceArgs,
 
     /// Distances of samples in voxels, or with u in parts of the longest box edge
     #[arg(
@@ -69,7 +94,12 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..), help_heading = "Comparison")]
     repeat: u32,
 
-    /// Views that are held against the f64 reference; 0: none
+    /// What some views are held against: the f64 reference at the same step, both sides without early termination, or the
+    /// truth (see `hollowcast truth --help`), to which the step goes
+    #[arg(long, default_value = "reference", value_parser = values::named(Against::ALL, Against::name), help_heading = "Comparison")]
+    against: Against,
+
+    /// Views that are held against it; 0: none
     #[arg(
         long,
         value_name = "N",
@@ -78,7 +108,7 @@ pub(super) struct Args {
     )]
     reference_views: usize,
 
-    /// Size of the pictures that are held against the reference
+    /// Size of the pictures that are held against it
     #[arg(long, value_name = "WxH", default_value = "128x128", value_parser = values::size, help_heading = "Comparison")]
     reference_size: [u32; 2],
 
@@ -89,25 +119,63 @@ pub(super) struct Args {
 
 pub(super) fn run(args: &Args) -> Result<()> {
     let volume = args.volume.load()?;
-    let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
+    let (transfer, modes) = if args.modes.is_empty() {
+        let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
+        (transfer, vec![mode])
+    } else {
+        let statistics = Statistics::of(&volume);
+        let modes = args.scene.mode.modes(&args.modes, &statistics)?;
+        (args.scene.transfer(&statistics)?, modes)
+    };
+    let slices = args.slices.count(&args.renderer)?;
     let mut renderers = args
         .backends
         .iter()
         .map(|&choice| ready(choice, &volume, &transfer))
         .collect::<Result<Vec<_>>>()?;
-    let clipping = args.scene.clip.clipping(&volume)?;
-    let plan = args.plan(&volume, mode, &clipping, &renderers);
-    let comparison = measured(&mut renderers, &volume, &transfer, &plan)?;
     let infos: Vec<BackendInfo> = renderers.iter().map(|r| r.info().clone()).collect();
+    if slices.is_some() && infos.iter().all(|info| info.backend != "gpu") {
+        let reason = "slices are drawn by the gpu backend, which is not among --backends";
+        return Err(Error::setting("renderer", reason));
+    }
     for (&choice, info) in args.backends.iter().zip(&infos) {
         report::notice_fallback(choice, info);
     }
-    if args.json {
-        super::print_json(&args.json(&volume, &plan, &comparison, &infos))
-    } else {
-        super::print(&heading(&volume, &plan, &comparison, &infos))?;
-        super::print(&table::comparison(&comparison.rows))?;
-        super::print(&choices(&comparison.rows))
+    let clipping = args.scene.clip.clipping(&volume)?;
+    let mut plan = args.plan(&volume, modes[0], &clipping, &renderers);
+    let mut comparisons = Vec::new();
+    for mode in modes {
+        plan.settings.mode = mode;
+        // Asked for one mode that they do not draw, slices say so.
+        plan.slices = slices.filter(|_| args.modes.is_empty() || SliceCount::draw(&mode));
+        let comparison = measured(&mut renderers, &volume, &transfer, &plan)?;
+        comparisons.push((mode.name(), comparison));
+    }
+    let (_, first) = &comparisons[0];
+    match (args.json, args.modes.is_empty()) {
+        (true, true) => super::print_json(&args.json(&volume, &plan, first, &infos)),
+        (true, false) => {
+            let mut object = args.json(&volume, &plan, first, &infos);
+            object["modes"] = mode_speeds::json(&comparisons);
+            let object_of = object.as_object_mut().expect("made as an object");
+            object_of.remove("rows");
+            object_of.remove("mode");
+            super::print_json(&object)
+        }
+        (false, true) => {
+            super::print(&heading(&volume, &plan, first, &infos))?;
+            super::print(&table::comparison(&first.rows))?;
+            super::print(&choices(&first.rows))?;
+            super::print(&format!("\n{}\n", first.noise.words()))
+        }
+        (false, false) => {
+            super::print(&heading(&volume, &plan, first, &infos))?;
+            super::print(&mode_speeds::text(&comparisons))?;
+            let noises = comparisons.iter().map(|(_, c)| &c.noise);
+            let noisiest =
+                noises.max_by(|a, b| a.relative.partial_cmp(&b.relative).unwrap_or(Equal));
+            super::print(&format!("\n{}\n", noisiest.unwrap_or(&first.noise).words()))
+        }
     }
 }
 
@@ -181,8 +249,12 @@ pub(super) fn heading(
     );
     if plan.reference.views > 0 {
         let [width, height] = plan.reference.size;
+        let against = match plan.reference.against {
+            Against::Reference => "the f64 reference, no early termination",
+            Against::Truth => "the truth",
+        };
         lines.push(format!(
-            "PSNR against the f64 reference: {} of the views at {width}x{height}, no early termination",
+            "PSNR of {} of the views at {width}x{height} against {against}",
             plan.reference.views.min(plan.views.len()),
         ));
     }
@@ -198,9 +270,11 @@ impl Args {
         renderers: &[Renderer],
     ) -> Plan {
         let mut methods = self.methods.clone();
-        if methods.is_empty() {
+        if methods.is_empty() && self.renderer.contains(&Technique::Rays) {
             methods = METHODS
                 .iter()
+                // What is fastest of those that draw the same picture is asked of modes.
+                .filter(|m| self.modes.is_empty() || (m.lossless && !m.is_limit))
                 .map(|m| m.skip)
                 .filter(|&m| renderers.iter().any(|r| r.has(m)))
                 .map(MethodChoice::Only)
@@ -226,12 +300,14 @@ impl Args {
         );
         Plan {
             methods,
+            slices: None,
             blocks: self.blocks.clone(),
             steps,
             views,
             settings,
             rounds: self.repeat as usize,
             reference: ReferencePlan {
+                against: self.against,
                 views: self.reference_views,
                 size: self.reference_size,
             },
@@ -255,13 +331,17 @@ impl Args {
             })
             .collect();
         json!({
+            "machine": Machine::this(),
             "adapter": adapters[0],
             "adapters": adapters,
+            "noise": comparison.noise,
             "volume": report::volume_json(volume),
             "transfer_function": self.scene.tf,
             "table_size": self.scene.table_size,
             "mode": plan.settings.mode.name(),
-            "ert": report::decimal(self.scene.ert),
+            "slices": plan.slices.map(|count| count.to_string()),
+            "classification": plan.settings.classification.name(),
+            "ert": report::decimal(plan.settings.ert),
             "steps": plan.steps,
             "runs_per_view": plan.rounds,
             "reference": plan.reference,

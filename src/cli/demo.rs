@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hollowcast::camera::Orbit;
-use hollowcast::measure::compare::{Plan, ReferencePlan, Row};
+use hollowcast::measure::compare::{Against, Plan, ReferencePlan, Row};
 use hollowcast::output::{self, PngEncoding, heat};
 use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Settings};
 use hollowcast::scene::CountedPicture;
@@ -114,6 +114,7 @@ fn plan(volume: &Volume, size: [u32; 2], methods: &[Skip]) -> Plan {
     let step = 0.5;
     Plan {
         methods: methods.iter().map(|&m| MethodChoice::Only(m)).collect(),
+        slices: None,
         blocks: vec![8],
         steps: vec![hollowcast::measure::compare::NamedStep {
             name: step.to_string(),
@@ -127,6 +128,7 @@ fn plan(volume: &Volume, size: [u32; 2], methods: &[Skip]) -> Plan {
         views,
         rounds: 3,
         reference: ReferencePlan {
+            against: Against::Reference,
             views: 1,
             size: size.map(|n| n.min(64)),
         },

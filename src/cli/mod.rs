@@ -4,15 +4,22 @@ mod camera;
 mod clip_args;
 mod compare;
 mod demo;
+mod explain;
+mod gallery;
 mod info;
 mod mode_args;
+mod mode_speeds;
 mod phantom;
 mod progress;
 mod render;
 mod report;
 mod scene_args;
+mod slice_args;
 mod table;
+mod truth;
 mod tune;
+mod tune_budget;
+mod tune_sweep;
 mod values;
 mod verify;
 #[cfg(feature = "viewer")]
@@ -35,7 +42,10 @@ Examples:
   hollowcast render scan.mhd --tf ramp:40:255:0.3 --camera az=120,el=35,dist=1.8 -o scan.exr
   hollowcast compare scan.nii.gz --steps 0.002u,0.005u,0.01u --json > rows.json
   hollowcast tune scan.nrrd                                the fastest method, blocks and cuts, as a profile for render
+  hollowcast tune scan.nrrd --max-error 0.004              the fastest that is this exact, measured against the truth
+  hollowcast truth scan.nrrd -o truth.exr                  the picture that all tend to as the step goes to 0
   hollowcast verify scan.nrrd                              does skipping change one bit?
+  hollowcast gallery scan.nrrd -o modes.png                every mode there is, on one sheet
   hollowcast phantom pot 256 -o pot.nrrd                   a test volume
 
 VOLUME is a file (NRRD, MetaImage, NIfTI, raw) or phantom:NAME:SIZE.
@@ -54,9 +64,11 @@ enum Command {
     Render(render::Args),
     Compare(compare::Args),
     Tune(tune::Args),
+    Truth(truth::Args),
     Verify(verify::Args),
     Info(info::Args),
     Phantom(phantom::Args),
+    Gallery(gallery::Args),
     Demo(demo::Args),
     #[cfg(feature = "viewer")]
     View(view::Args),
@@ -81,9 +93,11 @@ pub(crate) fn main() -> ExitCode {
         Command::Render(args) => render::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Tune(args) => tune::run(&args),
+        Command::Truth(args) => truth::run(&args),
         Command::Verify(args) => verify::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Phantom(args) => phantom::run(&args),
+        Command::Gallery(args) => gallery::run(&args),
         Command::Demo(args) => demo::run(&args),
         #[cfg(feature = "viewer")]
         Command::View(args) => view::run(args),

@@ -2,6 +2,7 @@
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use hollowcast::mode::{Light, Lighting, MODES, Mode, ModeRow, Window};
+use hollowcast::sample::Gradients;
 use hollowcast::volume::Statistics;
 use hollowcast::{Error, Result};
 
@@ -58,9 +59,28 @@ pub(super) struct ModeArgs {
     /// Opacity of the outer of two surfaces [default: 0.3]
     #[arg(long, value_name = "OPACITY", allow_hyphen_values = true)]
     outer_opacity: Option<f64>,
+
+    /// Where shaded, normals, phong, two-surfaces take gradients from: central differences on the fly, or a volume of them at
+    /// full, half or quarter resolution [default: fly]
+    #[arg(long, value_parser = values::named(Gradients::ALL, Gradients::name))]
+    gradients: Option<Gradients>,
+
+    /// Share of light that colours lose at the farthest point of the box, 0 to 1; not in mip, minip, mean, normals
+    #[arg(
+        long,
+        value_name = "STRENGTH",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    pub(super) depth_cue: f64,
 }
 
 impl ModeArgs {
+    /// Where gradients come from.
+    pub(super) fn gradients(&self) -> Gradients {
+        self.gradients.unwrap_or(Gradients::Fly)
+    }
+
     /// The mode for data of these statistics. What the user should know of it goes to stderr.
     pub(super) fn mode(&self, statistics: &Statistics) -> Result<Mode> {
         let mut left = Left(self.given());
@@ -100,6 +120,9 @@ impl ModeArgs {
                 self.light_up(lighting, &mut left);
             }
         }
+        if mode.takes_gradients() {
+            left.put("--gradients", None, &mut ());
+        }
         if let Some(flag) = left.0.first() {
             let reason = format!("the mode {} does not read it", mode.name());
             return Err(Error::setting(*flag, reason));
@@ -109,6 +132,17 @@ impl ModeArgs {
             eprintln!("warning: {warning}");
         }
         Ok(mode)
+    }
+
+    /// The modes of these names, or all, each with what suits data of these statistics.
+    pub(super) fn modes(&self, names: &[String], statistics: &Statistics) -> Result<Vec<Mode>> {
+        if let Some(flag) = self.given().first() {
+            let reason = "is for one --mode: with --modes, parameters suit the data";
+            return Err(Error::setting(*flag, reason));
+        }
+        let is_asked = |row: &&ModeRow| names.iter().any(|n| n == row.name || n == ALL);
+        let rows = MODES.iter().filter(is_asked);
+        Ok(rows.map(|row| (row.suited_to)(statistics)).collect())
     }
 
     fn light_up(&self, lighting: &mut Lighting, left: &mut Left) {
@@ -133,6 +167,7 @@ impl ModeArgs {
             ("--surface-color", self.surface_color.is_some()),
             ("--outer-color", self.outer_color.is_some()),
             ("--outer-opacity", self.outer_opacity.is_some()),
+            ("--gradients", self.gradients.is_some()),
         ];
         let given = flags.iter().filter(|(_, is_given)| *is_given);
         given.map(|(flag, _)| *flag).collect()
@@ -150,6 +185,14 @@ impl Left {
             *place = value;
         }
     }
+}
+
+/// Every mode there is.
+const ALL: &str = "all";
+
+/// The names of modes, and `all`.
+pub(super) fn names() -> PossibleValuesParser {
+    PossibleValuesParser::new([ALL].into_iter().chain(MODES.iter().map(|row| row.name)))
 }
 
 /// A mode's row by its name, explained in the help text.

@@ -17,9 +17,11 @@ use hollowcast::skip::{Cuts, Skip};
 use hollowcast::{Error, Result};
 use serde_json::{Value, json};
 
+use super::explain::Explained;
 use super::progress::Progress;
 use super::report;
 use super::scene_args::{self, SceneArgs};
+use super::slice_args::{SliceArgs, Technique};
 use super::values::{self, Background, Step};
 use super::volume_args::VolumeArgs;
 
@@ -30,9 +32,12 @@ Examples:
   hollowcast render pot_256x256x178_uint8.raw --tf ramp:40:255:0.3 --step 0.002u --pad-cube
   hollowcast render scan.nii.gz --camera 'eye=64,64,10;target=64,64,100;up=0,1,0' --background '#20242c'
   hollowcast render scan.nrrd --mode phong --iso 90 --light 1,-1,2 --background white
+  hollowcast render scan.nrrd --mode shaded --gradients half --sampler tricubic --depth-cue 0.6 --background black
   hollowcast render scan.nrrd --mode mip --window 40:200 --background black
+  hollowcast render scan.nrrd --mode mip --renderer slices --slices 106 --backend gpu
   hollowcast render scan.mha --repeat 20 --json
   hollowcast render scan.nrrd --profile scan.profile.toml
+  hollowcast render scan.nrrd --explain
 
 .png holds straight colour (sRGB-encoded unless --png-curve linear); .npy and .exr hold linear f32 colour multiplied by
 opacity, before quantisation. A file of that name is replaced only once the new one is complete.
@@ -50,6 +55,13 @@ pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
+    /// What makes the picture
+    #[arg(long, default_value = "rays", help_heading = "Picture")]
+    renderer: Technique,
+
+    #[command(flatten)]
+    slices: SliceArgs,
+
     /// Where samples are taken [default: auto]
     #[arg(long, value_parser = values::method_or_auto(), help_heading = "Picture")]
     method: Option<MethodChoice>,
@@ -58,18 +70,14 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_parser = scene_args::block, help_heading = "Picture")]
     block: Option<usize>,
 
-    /// Method, blocks, cuts and backend that `hollowcast tune` found; what is given as a flag counts instead
+    /// What `hollowcast tune` found: method, blocks, cuts and backend, and, tuned for a budget, sampler, step and --ert;
+    /// what is given as a flag counts instead
     #[arg(long, value_name = "FILE", help_heading = "Picture")]
     profile: Option<PathBuf>,
 
-    /// Distance of samples in voxels (of the smallest spacing), or with u in parts of the longest box edge
-    #[arg(
-        long,
-        allow_negative_numbers = true,
-        default_value = "0.5",
-        help_heading = "Picture"
-    )]
-    step: Step,
+    /// Distance of samples in voxels (of the smallest spacing), or with u in parts of the longest box edge [default: 0.5]
+    #[arg(long, allow_negative_numbers = true, help_heading = "Picture")]
+    step: Option<Step>,
 
     /// Where the picture is made [default: auto]
     #[arg(long, value_parser = values::named(BackendChoice::ALL, BackendChoice::name), help_heading = "Picture")]
@@ -106,6 +114,10 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", help_heading = "Output", value_parser = clap::value_parser!(u32).range(1..))]
     repeat: Option<u32>,
 
+    /// Say in plain words what was chosen, what it took, and how far off it can be
+    #[arg(long, help_heading = "Output")]
+    explain: bool,
+
     /// Report as JSON on standard output
     #[arg(long, help_heading = "Output")]
     json: bool,
@@ -122,18 +134,23 @@ pub(super) fn run(args: &Args) -> Result<()> {
     Format::from_path(&args.output)?;
     args.volume.check_output(&args.output)?;
     let profile = args.profile.as_deref().map(Profile::read).transpose()?;
-    let method = args.method(profile.as_ref())?;
+    let slices = args.slices.count(&[args.renderer])?;
+    let method = match slices {
+        // Nothing is skipped, whatever a profile says.
+        Some(_) if args.method.is_none() => MethodChoice::Only(Skip::Box),
+        _ => args.method(profile.as_ref())?,
+    };
     let volume = args.volume.load()?;
     let (transfer, mode) = args.scene.transfer_and_mode(&volume)?;
     let camera = args.scene.camera.camera(&volume, 0.0);
     let clipping = args.scene.clip.clipping(&volume)?;
-    let step = args.step.in_box(volume.extent());
+    let step = args.step(profile.as_ref()).in_box(volume.extent());
     let progress = Progress::spinner("drawing");
     let backend = profile.map_or(BackendChoice::Auto, |p| p.backend);
     let backend = args.backend.unwrap_or(backend);
     let mut renderer = Renderer::new(backend)?;
     renderer.set_volume(volume.clone())?;
-    renderer.set_transfer(transfer);
+    renderer.set_transfer(transfer.clone());
     let settings = args.settings(
         method,
         profile.as_ref(),
@@ -142,6 +159,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         camera,
         &clipping,
     );
+    let settings = Settings { slices, ..settings };
     let settings = match method {
         MethodChoice::Only(_) => settings,
         MethodChoice::Auto => renderer.choose(&settings)?.in_settings(&settings),
@@ -160,6 +178,10 @@ pub(super) fn run(args: &Args) -> Result<()> {
             read_back_ms,
         });
     }
+    let explained = args
+        .explain
+        .then(|| Explained::of(&mut renderer, &transfer, &settings, &preparation))
+        .transpose()?;
     drop(progress);
 
     let picture = match args.background.0 {
@@ -181,6 +203,9 @@ pub(super) fn run(args: &Args) -> Result<()> {
         if let (Value::Object(object), Value::Object(more)) = (&mut object, more) {
             object.extend(more);
         }
+        if let Some(explained) = &explained {
+            object["explained"] = explained.json();
+        }
         super::print_json(&object)
     } else {
         let mut text = format!(
@@ -194,11 +219,17 @@ pub(super) fn run(args: &Args) -> Result<()> {
             } else {
                 ""
             },
-            Choice::of(&settings).words(),
+            match slices {
+                Some(count) => format!("slices ({count})"),
+                None => Choice::of(&settings).words(),
+            },
             rendered.sampler.name(),
             report::adapter_words(renderer.info()),
         );
         describe_times(&mut text, &preparation, &rendered, &runs);
+        if let Some(explained) = &explained {
+            text.push_str(&explained.words());
+        }
         super::print(&text)
     }
 }
@@ -239,12 +270,27 @@ impl Args {
         let block = self.block.or(profile.map(|p| p.choice.block));
         let block = block.unwrap_or(DEFAULT_BLOCK);
         let cuts = profile.map_or(Cuts::default(), |p| p.choice.cuts);
+        let settings = self
+            .scene
+            .settings(skip, mode, block, step_voxels, camera, clipping);
+        let accuracy = profile.and_then(|p| p.accuracy);
         Settings {
             cuts: self.scene.cuts_or(cuts),
-            ..self
+            sampler: self.scene.sampler.or(accuracy.map(|a| a.sampler)),
+            ert: self
                 .scene
-                .settings(skip, mode, block, step_voxels, camera, clipping)
+                .ert
+                .or(accuracy.map(|a| a.ert))
+                .unwrap_or(settings.ert),
+            ..settings
         }
+    }
+
+    /// The step that was asked for, by flag or profile.
+    fn step(&self, profile: Option<&Profile>) -> Step {
+        let in_profile = profile.and_then(|p| p.accuracy).map(|a| a.step_voxels);
+        let voxels = || Step::voxels(in_profile.unwrap_or(0.5));
+        self.step.clone().unwrap_or_else(voxels)
     }
 
     fn png_encoding(&self) -> PngEncoding {
@@ -275,9 +321,14 @@ fn facts(
     runs: &[Run],
 ) -> Value {
     let mut object = json!({
+        "renderer": if settings.slices.is_some() { "slices" } else { "rays" },
+        "slices": settings.slices.map(|count| count.to_string()),
         "method": settings.skip.method().name,
         "mode": settings.mode.name(),
+        "gradients": settings.mode.takes_gradients().then(|| settings.gradients.name()),
+        "depth_cue": settings.depth_cue,
         "sampler": rendered.sampler.name(),
+        "classification": settings.classification.name(),
         "step_voxels": settings.step_voxels,
         "block": settings.block,
         "cut": settings.cuts.half.name(),

@@ -6,7 +6,7 @@ use hollowcast::camera::Camera;
 use hollowcast::lattice::Clipping;
 use hollowcast::mode::Mode;
 use hollowcast::render::Settings;
-use hollowcast::sample::Sampler;
+use hollowcast::sample::{Classification, Sampler};
 use hollowcast::skip::{Cuts, HalfCut, Skip, SlabCount};
 use hollowcast::transfer::{PRESETS, TransferFunction};
 use hollowcast::volume::{Statistics, Volume};
@@ -39,6 +39,11 @@ pub(super) struct SceneArgs {
     #[arg(long, value_parser = values::named(Sampler::ALL, Sampler::name))]
     pub(super) sampler: Option<Sampler>,
 
+    /// When samples get their colour: from the interpolated value (post), voxel by voxel before colours are interpolated
+    /// (pre), or for all values between two samples at once (pre-integrated)
+    #[arg(long, default_value = "post", value_parser = values::named(Classification::ALL, Classification::name))]
+    pub(super) classification: Classification,
+
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = values::size)]
     pub(super) size: [u32; 2],
@@ -55,9 +60,9 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "WHERE", default_value = "az=30,el=20,dist=2,up=z,fov=45", help = camera::HELP)]
     pub(super) camera: CameraSpec,
 
-    /// Opacity at which a ray stops; off: never
-    #[arg(long, allow_negative_numbers = true, value_name = "OPACITY", default_value = "0.98", value_parser = values::ert)]
-    pub(super) ert: f32,
+    /// Opacity at which a ray stops; off: never [default: 0.98]
+    #[arg(long, allow_negative_numbers = true, value_name = "OPACITY", value_parser = values::ert)]
+    pub(super) ert: Option<f32>,
 }
 
 impl SceneArgs {
@@ -75,13 +80,16 @@ impl SceneArgs {
             skip,
             cuts: self.cuts(),
             sampler: self.sampler,
+            classification: self.classification,
             mode,
+            gradients: self.mode.gradients(),
+            depth_cue: self.mode.depth_cue,
             block,
             step_voxels,
-            ert: self.ert,
             size: self.size,
             clipping: *clipping,
             table_entries: self.table_size,
+            ert: self.ert.unwrap_or(Settings::new(camera).ert),
             ..Settings::new(camera)
         }
     }
@@ -99,11 +107,21 @@ impl SceneArgs {
         }
     }
 
+    /// The transfer function for data of these statistics.
+    pub(super) fn transfer(&self, statistics: &Statistics) -> Result<TransferFunction> {
+        TransferFunction::from_spec(&self.tf, statistics)
+    }
+
     /// The transfer function and the mode for this volume.
     pub(super) fn transfer_and_mode(&self, volume: &Volume) -> Result<(TransferFunction, Mode)> {
         let statistics = Statistics::of(volume);
-        let transfer = TransferFunction::from_spec(&self.tf, &statistics)?;
-        Ok((transfer, self.mode.mode(&statistics)?))
+        let transfer = self.transfer(&statistics)?;
+        let mode = self.mode.mode(&statistics)?;
+        let [low, high] = statistics.value_range();
+        if mode.takes_table() && !transfer.shows_any_of([low, high]) {
+            eprintln!("warning: the transfer function shows nothing of the data ({low} to {high})");
+        }
+        Ok((transfer, mode))
     }
 }
 

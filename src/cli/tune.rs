@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use hollowcast::lattice::Clipping;
 use hollowcast::measure::compare::NamedStep;
+use hollowcast::measure::machine::Machine;
 use hollowcast::measure::profile::Profile;
 use hollowcast::measure::tune::{Auto, Plan, Row, Tuning, tune};
 use hollowcast::mode::Mode;
-use hollowcast::output::chart::{self, Chart, Line, Panel};
+use hollowcast::output::chart::{self, Chart, Panel};
 use hollowcast::output::write_atomically;
 use hollowcast::render::{BLOCKS, BackendChoice, BackendInfo};
 use hollowcast::skip::Skip;
@@ -19,6 +20,8 @@ use serde_json::{Value, json};
 use super::compare::ready;
 use super::progress::Progress;
 use super::scene_args::{self, SceneArgs};
+use super::tune_budget::{self, BudgetArgs, ErrorArgs};
+use super::tune_sweep::{in_order_of_the_sweep, lines};
 use super::values::{self, Step};
 use super::volume_args::VolumeArgs;
 use super::{report, table};
@@ -28,12 +31,19 @@ Examples:
   hollowcast tune scan.nrrd
   hollowcast tune scan.nrrd --backends cpu,gpu --views 4 -o scan.profile.toml
   hollowcast render scan.nrrd --profile scan.profile.toml
+  hollowcast tune scan.nrrd --max-error 0.004
+  hollowcast tune scan.nrrd --psnr 45 --backends cpu,gpu
+  hollowcast tune scan.nrrd --budget-ms 16
   hollowcast tune scan.nrrd --sweep block --chart blocks.svg
 
 Every lossless method draws every view in every block size, and those that cut in several ways to do so, in interleaved
 runs (A B C, A B C, ...). A view's time is the median of its runs, a row's the mean over its views: of frames after the
 structures stand, without read-back. The fastest becomes a profile for `render --profile`; what auto would have chosen
-without trying is told beside it. With --sweep block, sizes 2 to 64 are compared, and no profile is written.";
+without trying is told beside it. With --sweep block, sizes 2 to 64 are compared, and no profile is written.
+
+With a budget, sampler, step and early termination are searched too: the fastest whose error against the truth (see
+`hollowcast truth --help`) stays inside it, over views all around and the worst that is found from there, or the most
+accurate inside the time. Nothing is written where nothing stays inside.";
 
 /// Finds the fastest method, block size and cuts for a volume by trying all.
 #[derive(Debug, clap::Args)]
@@ -45,8 +55,20 @@ pub(super) struct Args {
     #[command(flatten)]
     scene: SceneArgs,
 
-    /// Distance of samples in voxels (of the smallest spacing), or with u in parts of the longest box edge
-    #[arg(long, default_value = "0.5", help_heading = "Tuning")]
+    #[command(flatten)]
+    budget: BudgetArgs,
+
+    #[command(flatten)]
+    error: ErrorArgs,
+
+    /// Distance of samples in voxels (of the smallest spacing), or with u in parts of the longest box edge; searched where
+    /// there is a budget
+    #[arg(
+        long,
+        default_value = "0.5",
+        help_heading = "Tuning",
+        conflicts_with = "budget"
+    )]
     step: Step,
 
     /// Where the pictures are made
@@ -76,7 +98,7 @@ pub(super) struct Args {
     output: Option<PathBuf>,
 
     /// Compare block sizes for every method instead of looking for the fastest
-    #[arg(long, value_parser = ["block"], help_heading = "Tuning")]
+    #[arg(long, value_parser = ["block"], help_heading = "Tuning", conflicts_with = "budget")]
     sweep: Option<String>,
 
     /// Draw the sweep as a chart: .svg or .png
@@ -112,6 +134,18 @@ pub(super) fn run(args: &Args) -> Result<()> {
         .collect::<Result<Vec<_>>>()?;
     let step = args.step.in_box(volume.extent());
     let plan = args.plan(&volume, mode, &clipping, &step);
+    if let (Some(budget), Some(output)) = (args.budget.budget(), &output) {
+        let task = tune_budget::Task {
+            budget,
+            plan: &plan,
+            around: args.scene.camera.is_around(),
+            output,
+            json: args.json,
+            tf: &args.scene.tf,
+            backends: &args.backends,
+        };
+        return tune_budget::run(&args.error, &task, &mut renderers, &volume, &transfer);
+    }
     let progress = Progress::bar(if args.sweep.is_some() {
         "sweeping"
     } else {
@@ -133,6 +167,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     if args.json {
         let mut object = json!({
+            "machine": Machine::this(),
+            "noise": tuning.noise,
             "adapters": infos.iter().map(report::adapter_json).collect::<Vec<_>>(),
             "volume": report::volume_json(&volume),
             "transfer_function": args.scene.tf,
@@ -163,6 +199,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     text.push('\n');
     text.push_str(&rows(&tuning.rows));
+    // Writing to a String cannot fail.
+    let _ = writeln!(text, "\n{}", tuning.noise.words());
     if let Some(output) = &output {
         text.push_str(&verdict(&tuning, output));
     }
@@ -217,6 +255,7 @@ impl Args {
         let profile = Profile {
             backend,
             choice: fastest.choice,
+            accuracy: None,
         };
         let [width, height] = self.scene.size;
         let comment = format!(
@@ -258,51 +297,14 @@ impl Args {
     }
 }
 
-/// Backend by backend, method by method, small blocks first.
-fn in_order_of_the_sweep(rows: &mut [Row]) {
-    let place = |row: &Row| {
-        let methods = hollowcast::skip::METHODS;
-        methods.iter().position(|m| m.name == row.method)
-    };
-    rows.sort_by_key(|row| (row.backend, place(row), row.block));
-}
-
-/// A line for each method; box, which reads no block, lies level.
-fn lines(rows: &[Row], with_backend: bool, number: fn(&Row) -> f64) -> Vec<Line> {
-    let mut lines: Vec<Line> = Vec::new();
-    let blocks = || {
-        rows.iter()
-            .filter(|r| r.choice.skip != Skip::Box)
-            .map(|r| r.block)
-    };
-    for row in rows {
-        let name = if with_backend {
-            format!("{} {}", row.backend, row.method)
-        } else {
-            row.method.to_owned()
-        };
-        let points = if row.choice.skip == Skip::Box {
-            let ends = [blocks().min(), blocks().max()];
-            let level = |block: Option<usize>| block.map(|b| [b as f64, number(row)]);
-            ends.into_iter().filter_map(level).collect()
-        } else {
-            vec![[row.block as f64, number(row)]]
-        };
-        match lines.iter_mut().find(|line| line.name == name) {
-            Some(line) => line.points.extend(points),
-            None => lines.push(Line { name, points }),
-        }
-    }
-    lines
-}
-
-fn rows(rows: &[Row]) -> String {
+pub(super) fn rows(rows: &[Row]) -> String {
     let head = [
         "backend",
         "method",
         "block",
         "cuts",
         "frame ms",
+        "quartiles",
         "x box",
         "samples/px",
         "KiB",
@@ -323,6 +325,7 @@ fn rows(rows: &[Row]) -> String {
                 },
                 r.cuts.clone().unwrap_or_else(|| "-".to_owned()),
                 format!("{:.2}", r.frame_ms),
+                format!("{:.2}-{:.2}", r.frame_q1_ms, r.frame_q3_ms),
                 format!("{:.2}", r.speedup_vs_box),
                 format!("{:.1}", r.samples_per_pixel),
                 r.structure_bytes.div_ceil(1024).to_string(),

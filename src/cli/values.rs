@@ -63,6 +63,17 @@ pub(super) struct Step {
     in_edges: bool,
 }
 
+impl Step {
+    /// So many voxels.
+    pub(super) fn voxels(number: f64) -> Self {
+        Self {
+            text: number.to_string(),
+            number,
+            in_edges: false,
+        }
+    }
+}
+
 impl FromStr for Step {
     type Err = String;
 

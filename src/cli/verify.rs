@@ -90,6 +90,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         args.scene.size,
     )
     .with_mode(mode)
+    .with_shading(args.scene.mode.gradients(), args.scene.mode.depth_cue)
     .with_clipping(args.scene.clip.clipping(&volume)?);
     if !args.methods.is_empty() {
         verifier = verifier.with_methods(args.methods.clone());

@@ -269,6 +269,7 @@ fn draw<O: Pixel>(
     pixels: &mut [O],
 ) -> Result<()> {
     scene.mode.check_backend("cpu")?;
+    scene.classification.check_backend("cpu")?;
     if scene.sampler != Sampler::Exact {
         return Err(Error::setting(
             "sampler",

@@ -9,7 +9,7 @@ use super::*;
 use crate::camera::{Camera, Orbit, Projection};
 use crate::lattice::RayFrame;
 use crate::mode::Mode;
-use crate::sample::{cell, trilinear};
+use crate::sample::{Classification, cell, trilinear};
 use crate::transfer::{ControlPoint, Domain, TransferFunction, lookup};
 use crate::volume::{Rescale, VoxelType, Voxels};
 
@@ -277,7 +277,10 @@ impl Made {
             table: &self.table,
             frame: &self.frame,
             sampler: Sampler::Exact,
+            classification: Classification::Post,
             mode: Mode::EmissionAbsorption,
+            gradients: crate::sample::Gradients::Fly,
+            depth_cue: 0.0,
             ert,
         }
     }

@@ -18,7 +18,7 @@ pub struct View {
     pub dir_dx: [f32; 3],
     pub start_depth: f32,
     pub dir_dy: [f32; 3],
-    pub pad1: f32,
+    pub reach: f32,
     pub extent: [f32; 3],
     pub pad2: f32,
     pub grid_from_local: [f32; 3],
@@ -55,6 +55,10 @@ pub struct MarchSettings {
     pub takes_runs: u32,
     pub block_dims: [u32; 3],
     pub ray_words: u32,
+    pub majorants: u32,
+    pub pad1: u32,
+    pub pad2: u32,
+    pub pad3: u32,
 }
 
 /// `ModeSettings` in `shaders/shared/mode_settings.inc.wgsl`.
@@ -78,7 +82,22 @@ pub struct ModeSettings {
     pub iso: f32,
     pub outer_iso: f32,
     pub least_gradient: f32,
-    pub pad1: f32,
+    pub gradient_scale: f32,
+    pub cells_per_voxel: f32,
+    pub cue_strength: f32,
+    pub cue_start: f32,
+    pub cue_scale: f32,
+}
+
+/// `GradientCells` in `shaders/gradients.wgsl`.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[allow(missing_docs)]
+pub struct GradientCells {
+    pub edge: u32,
+    pub scale: f32,
+    pub first_layer: u32,
+    pub pad1: u32,
 }
 
 /// `Tile` in `shaders/shared/march_settings.inc.wgsl`.
@@ -99,14 +118,17 @@ mod tests {
     use super::*;
     use crate::gpu::shader::compose;
 
-    fn reflect(name: &str) -> (u32, Vec<(String, u32)>) {
+    fn reflect(root: &str, name: &str) -> (u32, Vec<(String, u32)>) {
         let choices = [
             ("SKIP", "bounds"),
             ("SAMPLER", "exact"),
+            ("CLASSIFICATION", "post"),
             ("MODE", "phong"),
             ("COUNT", "off"),
+            ("GRADIENT", "fly"),
+            ("CUE", "on"),
         ];
-        let module = naga::front::wgsl::parse_str(&compose("march", &choices).unwrap()).unwrap();
+        let module = naga::front::wgsl::parse_str(&compose(root, &choices).unwrap()).unwrap();
         let (_, ty) = module
             .types
             .iter()
@@ -126,7 +148,10 @@ mod tests {
 
     macro_rules! mirrors {
         ($struct:ident: $($field:ident),* $(,)?) => {
-            let (span, members) = reflect(stringify!($struct));
+            mirrors!($struct in "march": $($field),*);
+        };
+        ($struct:ident in $root:literal: $($field:ident),* $(,)?) => {
+            let (span, members) = reflect($root, stringify!($struct));
             assert_eq!(span as usize, size_of::<$struct>());
             let ours = vec![$((stringify!($field).to_owned(), offset_of!($struct, $field) as u32)),*];
             assert_eq!(members, ours);
@@ -135,14 +160,16 @@ mod tests {
 
     #[test]
     fn structs_are_what_the_shaders_read() {
-        mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, pad1,
+        mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, reach,
             extent, pad2, grid_from_local, pad3, centre, origin, size, clip_count, pad4,
             clip_from_local, clip_planes);
         mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
             tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, takes_runs,
-            block_dims, ray_words);
+            block_dims, ray_words, majorants, pad1, pad2, pad3);
         mirrors!(ModeSettings: light, light_is_eye, color, ambient, outer_color, diffuse, specular, shininess,
-            opacity_ratio, window_low, window_scale, window_dead, direction, iso, outer_iso, least_gradient, pad1);
+            opacity_ratio, window_low, window_scale, window_dead, direction, iso, outer_iso, least_gradient,
+            gradient_scale, cells_per_voxel, cue_strength, cue_start, cue_scale);
+        mirrors!(GradientCells in "gradients": edge, scale, first_layer, pad1);
         mirrors!(Tile: at, first_run, run_count, axis);
     }
 }

@@ -29,6 +29,7 @@ pub struct Gpu {
 /// Features that are used where the adapter has them.
 const WANTED: wgpu::Features = wgpu::Features::TEXTURE_FORMAT_16BIT_NORM
     .union(wgpu::Features::FLOAT32_FILTERABLE)
+    .union(wgpu::Features::FLOAT32_BLENDABLE)
     .union(wgpu::Features::TIMESTAMP_QUERY);
 
 impl Gpu {
@@ -70,7 +71,7 @@ impl Gpu {
     /// Wraps a device that the caller owns.
     ///
     /// It should have the features `TEXTURE_FORMAT_16BIT_NORM` (16-bit volumes without conversion),
-    /// `FLOAT32_FILTERABLE` (the hardware sampler on f32 volumes) and `TIMESTAMP_QUERY`, where its adapter has them.
+    /// `FLOAT32_FILTERABLE` (the hardware sampler on f32 volumes), `FLOAT32_BLENDABLE` (slices) and `TIMESTAMP_QUERY`, where its adapter has them.
     pub fn from_device(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Self {
         let lost = Arc::new(AtomicBool::new(false));
         let flag = Arc::clone(&lost);

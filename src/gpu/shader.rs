@@ -13,12 +13,25 @@ macro_rules! shaders {
 
 shaders![
     "faces",
+    "gradients",
     "march",
     "present",
     "segments",
+    "slices",
+    "blend/highest.inc",
+    "blend/under.inc",
+    "bound/highest.inc",
+    "bound/none.inc",
     "count/contributing.inc",
     "count/off.inc",
     "count/on.inc",
+    "cue/off.inc",
+    "cue/on.inc",
+    "fetch/exact.inc",
+    "fetch/filter.inc",
+    "gradient/exact.inc",
+    "gradient/filter.inc",
+    "gradient/fly.inc",
     "mode/emission_absorption.inc",
     "mode/grey.inc",
     "mode/mean.inc",
@@ -32,7 +45,12 @@ shaders![
     "sample/hardware.inc",
     "sample/nearest.inc",
     "sample/post.inc",
+    "sample/pre.inc",
+    "sample/pre_integrated.inc",
+    "sample/tricubic.inc",
+    "sample/tricubic_exact.inc",
     "shared/blocks.inc",
+    "shared/bspline.inc",
     "shared/first_hit.inc",
     "shared/highest.inc",
     "shared/march_settings.inc",
@@ -137,21 +155,73 @@ mod tests {
         };
         let mut composed = vec![
             compose("faces", &[]).unwrap(),
+            compose("gradients", &[]).unwrap(),
             compose("present", &[]).unwrap(),
-            compose("segments", &[]).unwrap(),
+            compose("segments", &[("BOUND", "none")]).unwrap(),
         ];
+        let classifications = ["post", "pre", "pre_integrated"];
+        let mut samplers = names("sample/");
+        samplers.retain(|name| !classifications.contains(name));
+        for &sampler in &samplers {
+            for mode in ["emission_absorption", "grey", "mip", "minip"] {
+                for blend in names("blend/") {
+                    let choices = [
+                        ("SAMPLER", sampler),
+                        ("MODE", mode),
+                        ("CUE", "off"),
+                        ("CLASSIFICATION", "post"),
+                        ("BLEND", blend),
+                    ];
+                    composed.push(compose("slices", &choices).unwrap());
+                }
+            }
+        }
+        let march = |skip, (sampler, classification), mode, bound, count, gradient, cue| {
+            let choices = [
+                ("SKIP", skip),
+                ("SAMPLER", sampler),
+                ("CLASSIFICATION", classification),
+                ("MODE", mode),
+                ("BOUND", bound),
+                ("COUNT", count),
+                ("GRADIENT", gradient),
+                ("CUE", cue),
+            ];
+            compose("march", &choices).unwrap()
+        };
         for skip in names("skip/") {
-            for sampler in names("sample/").into_iter().filter(|name| *name != "post") {
+            for &sampler in &samplers {
                 for mode in names("mode/") {
+                    let bounds = if ["mip", "minip"].contains(&mode) {
+                        &["none", "highest"][..]
+                    } else {
+                        &["none"]
+                    };
                     for count in names("count/") {
-                        let choices = [
-                            ("SKIP", skip),
-                            ("SAMPLER", sampler),
-                            ("MODE", mode),
-                            ("COUNT", count),
-                        ];
-                        composed.push(compose("march", &choices).unwrap());
+                        for bound in bounds {
+                            let post = (sampler, "post");
+                            composed.push(march(skip, post, mode, bound, count, "fly", "off"));
+                        }
                     }
+                }
+                // Modes with a table, and what pre has no colours for.
+                for classification in ["pre", "pre_integrated"] {
+                    if classification == "pre" && sampler.starts_with("tricubic") {
+                        continue;
+                    }
+                    for mode in ["emission_absorption", "shaded"] {
+                        let how = (sampler, classification);
+                        composed.push(march(skip, how, mode, "none", "off", "fly", "off"));
+                    }
+                }
+            }
+        }
+        // Gradients and cues are the modes' alone.
+        for mode in names("mode/") {
+            for gradient in names("gradient/") {
+                for cue in names("cue/") {
+                    let how = ("hardware", "post");
+                    composed.push(march("bounds", how, mode, "none", "off", gradient, cue));
                 }
             }
         }

@@ -1,17 +1,25 @@
 //! A volume resident on the device as a 3D texture.
 
+use rayon::prelude::*;
+
 use crate::error::{Error, Result};
 use crate::gpu::Gpu;
 use crate::volume::{Volume, Voxels};
+use crate::with_voxels;
 
 /// Voxels uploaded at a time: bounds the staging memory.
 const SLAB_BYTES: usize = 16 << 20;
+
+/// Bytes of four 16-bit floats.
+const TEXEL_BYTES: usize = 8;
 
 /// A volume's 3D texture and what its texels mean.
 #[derive(Debug)]
 pub struct VolumeTexture {
     /// The whole texture.
     pub view: wgpu::TextureView,
+    /// Reads it between texels, where the adapter filters its format.
+    pub filter: wgpu::Sampler,
     /// Whether the adapter filters its format.
     pub filterable: bool,
     /// `stored = raw * stored_per_raw + stored_at_zero`.
@@ -58,22 +66,7 @@ impl VolumeTexture {
                 (wgpu::TextureFormat::R32Float, 1.0, 0.0)
             }
         };
-        let texture = gpu.checked(|| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some("volume"),
-                size: wgpu::Extent3d {
-                    width: volume.dims[0] as u32,
-                    height: volume.dims[1] as u32,
-                    depth_or_array_layers: volume.dims[2] as u32,
-                },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D3,
-                format,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
-                view_formats: &[],
-            })
-        });
+        let texture = create(gpu, "volume", volume.dims, format);
         let texture = texture.map_err(|error| {
             Error::Limit(format!(
                 "{}: no memory for {} MiB of voxels on {} ({error}); use --crop, --downsample 2 or --backend cpu",
@@ -97,29 +90,121 @@ impl VolumeTexture {
             Voxels::I16(v) => write(gpu, &texture, volume.dims, v, f32::from)?,
             Voxels::F32(v) => write(gpu, &texture, volume.dims, v, |s| s)?,
         }
+        let filterable = format != wgpu::TextureFormat::R32Float || filters_f32;
+        let mode = if filterable {
+            wgpu::FilterMode::Linear
+        } else {
+            wgpu::FilterMode::Nearest
+        };
         Ok(Self {
             view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
-            filterable: format != wgpu::TextureFormat::R32Float || filters_f32,
+            filter: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some("volume"),
+                mag_filter: mode,
+                min_filter: mode,
+                ..Default::default()
+            }),
+            filterable,
             stored_per_raw,
             stored_at_zero,
         })
     }
 }
 
+/// The colours of a volume's voxels as a 3D texture of 16-bit floats.
+///
+/// Opacities of a step may be small: fixed point of 16 bits would lose half of those at 1/65535, where floats keep 11 bits
+/// down to 2^-14. Those of 32 bits would take twice the memory, and not every adapter filters them.
+#[derive(Debug)]
+pub struct ColorTexture {
+    /// The whole texture.
+    pub view: wgpu::TextureView,
+    /// Bytes of its texels.
+    pub bytes: u64,
+}
+
+impl ColorTexture {
+    /// Uploads the colours of a volume's voxels, `color` of each stored number.
+    ///
+    /// # Errors
+    /// [`Error::Limit`] where the adapter has no memory for them.
+    pub fn upload(
+        gpu: &Gpu,
+        volume: &Volume,
+        color: impl Fn(f64) -> [f32; 4] + Sync,
+    ) -> Result<Self> {
+        let texel = |stored: f64| color(stored).map(|c| half::f16::from_f32(c).to_bits());
+        let (texture, created) = Self::create(gpu, volume.dims).map_err(|error| {
+            Error::Limit(format!(
+                "{}: no memory for {} MiB of colours on {} ({error}); use --classification post, --crop or --downsample 2",
+                volume.name,
+                (volume.len() * TEXEL_BYTES) >> 20,
+                gpu.info.name,
+            ))
+        })?;
+        with_voxels!(&volume.voxels, voxels => {
+            write(gpu, &texture, volume.dims, voxels, |s| texel(f64::from(s)))?;
+        });
+        Ok(created)
+    }
+
+    /// A texture of one texel, for who reads none.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] where the adapter has no memory even for that.
+    pub fn empty(gpu: &Gpu) -> Result<Self> {
+        Ok(Self::create(gpu, [1; 3])?.1)
+    }
+
+    fn create(gpu: &Gpu, dims: [usize; 3]) -> Result<(wgpu::Texture, Self)> {
+        let texture = create(gpu, "colors", dims, wgpu::TextureFormat::Rgba16Float)?;
+        let created = Self {
+            view: texture.create_view(&wgpu::TextureViewDescriptor::default()),
+            bytes: (dims.iter().product::<usize>() * TEXEL_BYTES) as u64,
+        };
+        Ok((texture, created))
+    }
+}
+
+/// A 3D texture of as many texels.
+fn create(
+    gpu: &Gpu,
+    label: &str,
+    dims: [usize; 3],
+    format: wgpu::TextureFormat,
+) -> Result<wgpu::Texture> {
+    gpu.checked(|| {
+        gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d {
+                width: dims[0] as u32,
+                height: dims[1] as u32,
+                depth_or_array_layers: dims[2] as u32,
+            },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D3,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+            view_formats: &[],
+        })
+    })
+}
+
 /// Writes voxels as texels, some slices at a time.
-fn write<S: Copy, T: bytemuck::Pod>(
+fn write<S: Copy + Sync, T: bytemuck::Pod + Send>(
     gpu: &Gpu,
     texture: &wgpu::Texture,
     dims: [usize; 3],
     voxels: &[S],
-    texel: impl Fn(S) -> T,
+    texel: impl Fn(S) -> T + Sync,
 ) -> Result<()> {
     let slice = dims[0] * dims[1];
     let slices = (SLAB_BYTES / (slice * size_of::<T>())).max(1);
     let mut texels = Vec::with_capacity(slice * slices.min(dims[2]));
     for (i, slab) in voxels.chunks(slice * slices).enumerate() {
-        texels.clear();
-        texels.extend(slab.iter().map(|&s| texel(s)));
+        let chosen = slab.par_iter().with_min_len(1 << 14).map(|&s| texel(s));
+        chosen.collect_into_vec(&mut texels);
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,

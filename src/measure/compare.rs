@@ -2,11 +2,12 @@
 
 use serde::Serialize;
 
-use super::metrics::metrics;
-use super::race::{Entrant, race};
+use super::metrics::{Metrics, metrics};
+use super::race::{Entrant, Noise, Outcome, race};
+use super::truth::{Truth, Truths};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
-use crate::render::{Choice, MethodChoice, Renderer, Settings};
+use crate::render::{Choice, MethodChoice, Renderer, Settings, SliceCount};
 use crate::sample::Sampler;
 use crate::scene::Picture;
 use crate::skip::Skip;
@@ -26,6 +27,8 @@ pub struct Plan {
     /// The methods; box must be one of them, it is what the others are compared with. A backend that does not have one
     /// leaves it out.
     pub methods: Vec<MethodChoice>,
+    /// Slices, drawn beside the methods by every backend that is a GPU.
+    pub slices: Option<SliceCount>,
     /// Block sizes in voxels.
     pub blocks: Vec<usize>,
     /// Steps.
@@ -40,10 +43,35 @@ pub struct Plan {
     pub reference: ReferencePlan,
 }
 
-/// How much of the comparison is repeated by the f64 reference, which is slow. Both sides are then drawn at this size,
-/// without early termination (design contract 7), the reference with the exact sampler and no skipping.
+/// What pictures are held against.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Against {
+    /// The f64 reference at the same step, with the exact sampler and no skipping; both sides without early termination.
+    /// What is left is the sampler's coarseness and the rounding.
+    Reference,
+    /// The truth ([`super::truth`]), and the picture as it is, with early termination: all of its error.
+    Truth,
+}
+
+impl Against {
+    /// All that there are.
+    pub const ALL: &[Self] = &[Self::Reference, Self::Truth];
+
+    /// The name used by flags and reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Reference => "reference",
+            Self::Truth => "truth",
+        }
+    }
+}
+
+/// How much of the comparison is held against f64 pictures, which are slow. Both sides are then drawn at this size.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct ReferencePlan {
+    /// What the pictures are held against.
+    pub against: Against,
     /// Views, spread over those of the plan; 0: none, and no PSNR is reported.
     pub views: usize,
     /// Width and height of the pictures that are compared.
@@ -55,7 +83,7 @@ pub struct ReferencePlan {
 pub struct Row {
     /// `gpu`, `cpu` or `reference`.
     pub backend: &'static str,
-    /// The method's name.
+    /// The method's name, or `slices`.
     pub method: &'static str,
     /// What `auto` chose, in words, each choice once; only where the method is `auto`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -78,6 +106,12 @@ pub struct Row {
     pub cast_ms: f64,
     /// A frame after the structures stand, raster included, read-back excluded.
     pub frame_ms: f64,
+    /// The first quartile of that: of each view's rounds, averaged over the views.
+    pub frame_q1_ms: f64,
+    /// The third quartile.
+    pub frame_q3_ms: f64,
+    /// Both passes of a frame by the adapter's own clock; `None` where it has none.
+    pub gpu_ms: Option<f64>,
     /// Fetching the picture of the first view, once.
     pub read_back_ms: f64,
     /// `frame_ms` of box with the same settings on the same backend over this row's.
@@ -94,9 +128,11 @@ pub struct Row {
     pub differing_pixels_vs_box: u64,
     /// Largest difference of any channel from box's.
     pub max_abs_diff_vs_box: f64,
-    /// PSNR against the f64 reference ([`ReferencePlan`]); infinite (in JSON: null) where the pictures are equal, `None`
-    /// where it was not measured.
+    /// PSNR against the f64 reference or the truth ([`ReferencePlan`]); infinite (in JSON: null) where the pictures are equal,
+    /// `None` where it was not measured.
     pub psnr_vs_reference_db: Option<f64>,
+    /// The same pictures' largest difference of any channel.
+    pub max_abs_diff_vs_reference: Option<f64>,
 }
 
 /// What [`compare`] found.
@@ -106,6 +142,8 @@ pub struct Comparison {
     pub rows: Vec<Row>,
     /// The sampler that each backend used.
     pub samplers: Vec<Sampler>,
+    /// Of all times.
+    pub noise: Noise,
 }
 
 /// Runs the plan on each of the renderers, whose volume and transfer function are set, as those of `reference` are.
@@ -150,13 +188,19 @@ pub fn compare(
     }
     let [width, height] = plan.settings.size.map(f64::from);
     let pixels = width * height * plan.views.len() as f64;
+    let truths = truths(reference, plan)?;
     let groups = plan.steps.len() * plan.blocks.len();
     let mut comparison = Comparison {
         rows: Vec::new(),
         samplers: vec![Sampler::Exact; renderers.len()],
+        noise: Noise::of(&[], plan.rounds),
     };
+    let mut all: Vec<Outcome> = Vec::new();
     for (s, step) in plan.steps.iter().enumerate() {
-        let truth = references(reference, plan, step)?;
+        let truth = match plan.reference.against {
+            Against::Reference => references(reference, plan, step)?,
+            Against::Truth => truths.clone(),
+        };
         for (b, &block) in plan.blocks.iter().enumerate() {
             let settings = Settings {
                 block,
@@ -167,18 +211,21 @@ pub fn compare(
             let mut part = |f: f64| progress((before + f) / groups as f64);
             let (methods, entrants) = entrants(renderers, plan, &settings)?;
             let outcomes = race(renderers, &entrants, plan.rounds, &mut part)?;
-            for ((&method, entrant), outcome) in methods.iter().zip(&entrants).zip(&outcomes) {
+            for ((method, entrant), outcome) in methods.iter().zip(&entrants).zip(&outcomes) {
                 let renderer = &mut renderers[entrant.renderer];
-                let psnr = psnr(renderer, entrant, plan, &truth)?;
+                let error = error(renderer, entrant, plan, &truth)?;
                 let base = (0..entrants.len())
-                    .find(|&i| entrants[i].renderer == entrant.renderer && methods[i] == box_choice)
+                    .find(|&i| {
+                        entrants[i].renderer == entrant.renderer && methods[i] == Some(box_choice)
+                    })
                     .expect("box is in every plan");
                 comparison.samplers[entrant.renderer] = outcome.sampler;
-                let speedup = outcomes[base].mean(|t| t.frame_ms) / outcome.mean(|t| t.frame_ms);
+                let frame = outcome.quartiles(|t| t.frame_ms);
+                let speedup = outcomes[base].mean(|t| t.frame_ms) / frame.median;
                 comparison.rows.push(Row {
                     backend: renderer.info().backend,
-                    method: method.name(),
-                    chosen: chosen(method, entrant),
+                    method: method.map_or("slices", MethodChoice::name),
+                    chosen: chosen(*method, entrant),
                     step: step.name.clone(),
                     block,
                     size: plan.settings.size,
@@ -187,7 +234,10 @@ pub fn compare(
                     cull_ms: outcome.preparation.cull_ms,
                     raster_ms: outcome.mean(|t| t.raster_ms),
                     cast_ms: outcome.mean(|t| t.cast_ms),
-                    frame_ms: outcome.mean(|t| t.frame_ms),
+                    frame_ms: frame.median,
+                    frame_q1_ms: frame.q1,
+                    frame_q3_ms: frame.q3,
+                    gpu_ms: outcome.gpu_ms(),
                     read_back_ms: outcome.read_back_ms,
                     speedup_vs_box: speedup,
                     samples_per_pixel: outcome.counters.samples as f64 / pixels,
@@ -196,20 +246,23 @@ pub fn compare(
                     structure_bytes: outcome.preparation.structure_bytes,
                     differing_pixels_vs_box: outcome.differing_pixels,
                     max_abs_diff_vs_box: outcome.max_abs,
-                    psnr_vs_reference_db: psnr,
+                    psnr_vs_reference_db: error.map(|e| e.psnr_db()),
+                    max_abs_diff_vs_reference: error.map(|e| e.max_abs),
                 });
             }
+            all.extend(outcomes);
         }
     }
+    comparison.noise = Noise::of(&all, plan.rounds);
     Ok(comparison)
 }
 
-/// All methods on all backends that have them.
+/// All methods on all backends that have them, and slices where they are drawn, which are no method.
 fn entrants(
     renderers: &mut [Renderer],
     plan: &Plan,
     settings: &Settings,
-) -> Result<(Vec<MethodChoice>, Vec<Entrant>)> {
+) -> Result<(Vec<Option<MethodChoice>>, Vec<Entrant>)> {
     let mut methods = Vec::new();
     let mut entrants = Vec::new();
     for (renderer, drawing) in renderers.iter_mut().enumerate() {
@@ -231,15 +284,28 @@ fn entrants(
                 renderer,
                 views: views.collect::<Result<_>>()?,
             });
-            methods.push(method);
+            methods.push(Some(method));
+        }
+        if plan.slices.is_some() && drawing.info().backend == "gpu" {
+            let views = plan.views.iter().map(|&camera| Settings {
+                camera,
+                skip: Skip::Box,
+                slices: plan.slices,
+                ..*settings
+            });
+            entrants.push(Entrant {
+                renderer,
+                views: views.collect(),
+            });
+            methods.push(None);
         }
     }
     Ok((methods, entrants))
 }
 
 /// What an entrant's choices were, if it had any.
-fn chosen(method: MethodChoice, entrant: &Entrant) -> Vec<String> {
-    if method != MethodChoice::Auto {
+fn chosen(method: Option<MethodChoice>, entrant: &Entrant) -> Vec<String> {
+    if method != Some(MethodChoice::Auto) {
         return Vec::new();
     }
     let mut words: Vec<String> = Vec::new();
@@ -252,12 +318,11 @@ fn chosen(method: MethodChoice, entrant: &Entrant) -> Vec<String> {
     words
 }
 
-/// The settings as a backend can draw them: only graphics adapters have a filter.
+/// The settings as a backend can draw them: only graphics adapters have a filter. What else it does not have it refuses.
 pub(super) fn settings_on(backend: &str, settings: &Settings) -> Settings {
-    let sampler = if backend == "gpu" {
-        settings.sampler
-    } else {
-        Some(Sampler::Exact)
+    let sampler = match settings.sampler {
+        Some(Sampler::Hardware) if backend != "gpu" => Some(Sampler::Exact),
+        sampler => sampler,
     };
     Settings {
         sampler,
@@ -272,37 +337,64 @@ fn reference_views(plan: &Plan) -> impl Iterator<Item = usize> {
     (0..count).map(move |i| i * views / count)
 }
 
+/// The settings that a picture is held against the others by.
 fn reference_settings(plan: &Plan, settings: &Settings) -> Settings {
     Settings {
-        ert: 1.0,
+        ert: match plan.reference.against {
+            // Design contract 7.
+            Against::Reference => 1.0,
+            Against::Truth => settings.ert,
+        },
         size: plan.reference.size,
         ..*settings
     }
 }
 
 /// The reference's pictures at one step; they depend on no block size.
-fn references(reference: &mut Renderer, plan: &Plan, step: &NamedStep) -> Result<Vec<Picture>> {
+fn references(reference: &mut Renderer, plan: &Plan, step: &NamedStep) -> Result<Vec<Truth>> {
     reference_views(plan)
         .map(|view| {
             let settings = Settings {
                 skip: Skip::Box,
                 camera: plan.views[view],
                 step_voxels: step.voxels,
-                sampler: Some(Sampler::Exact),
-                ..plan.settings
+                ..settings_on("reference", &plan.settings)
             };
             let settings = reference_settings(plan, &settings);
-            Ok(reference.render(&settings)?.picture)
+            let picture = reference.render(&settings)?.picture;
+            Ok(Truth {
+                masked: vec![false; picture.rgba.len()],
+                picture,
+                step_voxels: step.voxels,
+                bound: f64::INFINITY,
+            })
         })
         .collect()
 }
 
-fn psnr(
+/// The truths of the views, which depend on no step.
+fn truths(reference: &Renderer, plan: &Plan) -> Result<Vec<Truth>> {
+    if plan.reference.against != Against::Truth || plan.reference.views == 0 {
+        return Ok(Vec::new());
+    }
+    let mut truths = Truths::like(reference)?;
+    reference_views(plan)
+        .map(|view| {
+            let settings = Settings {
+                camera: plan.views[view],
+                ..plan.settings
+            };
+            truths.of(&reference_settings(plan, &settings), |_| ())
+        })
+        .collect()
+}
+
+fn error(
     renderer: &mut Renderer,
     entrant: &Entrant,
     plan: &Plan,
-    truth: &[Picture],
-) -> Result<Option<f64>> {
+    truth: &[Truth],
+) -> Result<Option<Metrics>> {
     if truth.is_empty() {
         return Ok(None);
     }
@@ -312,5 +404,5 @@ fn psnr(
             Ok(renderer.render(&settings)?.picture)
         })
         .collect::<Result<_>>()?;
-    Ok(Some(metrics(pictures.iter().zip(truth)).psnr_db()))
+    Ok(Some(metrics(pictures.iter().zip(truth))))
 }

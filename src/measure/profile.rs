@@ -5,17 +5,21 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+use super::errors::Accuracy;
 use crate::error::{Error, Result};
 use crate::render::{BackendChoice, Choice};
+use crate::sample::Sampler;
 use crate::skip::{Cuts, HalfCut, METHODS, Skip, SlabCount};
 
 /// A choice, and the backend that it is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Profile {
     /// Where the pictures are made.
     pub backend: BackendChoice,
     /// Method, block size and cuts.
     pub choice: Choice,
+    /// Sampler, step and early termination, where it was tuned for a budget.
+    pub accuracy: Option<Accuracy>,
 }
 
 #[derive(Deserialize)]
@@ -26,6 +30,9 @@ struct File {
     block: usize,
     cut: Option<String>,
     cuts: Option<String>,
+    sampler: Option<String>,
+    step: Option<f64>,
+    ert: Option<f32>,
 }
 
 impl Profile {
@@ -83,6 +90,31 @@ impl Profile {
                 .parse::<SlabCount>()
                 .map_err(|reason| Error::setting("cuts", reason))?;
         }
+        let accuracy = match (&file.sampler, file.step, file.ert) {
+            (Some(sampler), Some(step_voxels), Some(ert)) => {
+                let names: Vec<&str> = Sampler::ALL.iter().map(|s| s.name()).collect();
+                let found = Sampler::ALL.iter().find(|s| s.name() == sampler);
+                if !(step_voxels > 0.0 && step_voxels.is_finite()) {
+                    return Err(Error::setting(
+                        "step",
+                        "must be a positive number of voxels",
+                    ));
+                }
+                if !(ert > 0.0 && ert <= 1.0) {
+                    return Err(Error::setting("ert", "must lie above 0 and be at most 1"));
+                }
+                Some(Accuracy {
+                    sampler: *found.ok_or_else(|| unknown("sampler", sampler, &names))?,
+                    step_voxels,
+                    ert,
+                })
+            }
+            (None, None, None) => None,
+            _ => {
+                let reason = "belong together: all three or none";
+                return Err(Error::setting("sampler, step, ert", reason));
+            }
+        };
         Ok(Self {
             backend,
             choice: Choice {
@@ -90,6 +122,7 @@ impl Profile {
                 block: file.block,
                 cuts,
             },
+            accuracy,
         })
     }
 
@@ -106,6 +139,11 @@ impl Profile {
         let _ = writeln!(text, "block = {block}");
         let _ = writeln!(text, "cut = \"{}\"", cuts.half.name());
         let _ = writeln!(text, "cuts = \"{}\"", cuts.slabs);
+        if let Some(accuracy) = &self.accuracy {
+            let _ = writeln!(text, "sampler = \"{}\"", accuracy.sampler.name());
+            let _ = writeln!(text, "step = {:?}", accuracy.step_voxels);
+            let _ = writeln!(text, "ert = {:?}", accuracy.ert);
+        }
         text
     }
 }
@@ -130,6 +168,11 @@ mod tests {
                             block: 16,
                             cuts: Cuts { half, slabs },
                         },
+                        accuracy: (half == HalfCut::Best).then_some(Accuracy {
+                            sampler: Sampler::Hardware,
+                            step_voxels: 2.0_f64.sqrt(),
+                            ert: 0.98,
+                        }),
                     };
                     let text = profile.to_toml("made for\nsomething # odd");
                     assert_eq!(Profile::from_toml(&text).unwrap(), profile, "{text}");
@@ -160,6 +203,15 @@ mod tests {
                 "cut: \"third\" is none of",
             ),
             (format!("{good}cuts = \"99\"\n"), "cuts: expected"),
+            (format!("{good}step = 0.5\n"), "sampler, step, ert: belong"),
+            (
+                format!("{good}step = 0.5\nert = 0.9\nsampler = \"soft\"\n"),
+                "sampler: \"soft\" is none of",
+            ),
+            (
+                format!("{good}step = -1.0\nert = 0.9\nsampler = \"exact\"\n"),
+                "step: must be",
+            ),
             (
                 format!("{good}colour = 3\n"),
                 "line 4: unknown field `colour`",

@@ -1,14 +1,20 @@
 //! Frames in interleaved runs: what every comparison of methods is made of.
 //!
 //! Times come from drawing alone, without read-back; counters and pictures from separate, untimed runs. What it takes to
-//! build an entrant's structures is measured with nothing of the others' standing.
+//! build an entrant's structures is measured with nothing of the others' standing. Where medians are noisier than
+//! [`NOISE_BOUND`], a view is run again, all entrants alike, at most [`AGAIN`] times.
 
-use super::statistics::{interleaved, median};
+use super::statistics::{Quartiles, interleaved, median, noise, quartiles};
 use crate::error::{Error, Result};
 use crate::render::{FrameTimes, Preparation, Renderer, Settings};
 use crate::sample::Sampler;
 use crate::scene::{Counters, Picture};
 use crate::skip::Skip;
+
+/// Noise of a view's medians ([`noise`], of its entrants the middle one's) above which its rounds are run again.
+pub const NOISE_BOUND: f64 = 0.05;
+/// How often, at most.
+pub const AGAIN: usize = 2;
 
 /// Who takes part.
 #[derive(Debug, Clone)]
@@ -47,9 +53,98 @@ impl Outcome {
 
     /// The median of each view's rounds, averaged over the views.
     pub fn mean(&self, time: impl Fn(&FrameTimes) -> f64) -> f64 {
-        let views = 0..self.runs.len();
-        views.map(|v| self.median(v, &time)).sum::<f64>() / self.runs.len() as f64
+        self.quartiles(time).median
     }
+
+    /// The quartiles of each view's rounds, each averaged over the views.
+    pub fn quartiles(&self, time: impl Fn(&FrameTimes) -> f64) -> Quartiles {
+        let of_views: Vec<Quartiles> = self
+            .runs
+            .iter()
+            .map(|runs| quartiles(&runs.iter().map(&time).collect::<Vec<_>>()))
+            .collect();
+        let mean = |of: fn(&Quartiles) -> f64| {
+            of_views.iter().map(of).sum::<f64>() / of_views.len() as f64
+        };
+        Quartiles {
+            q1: mean(|q| q.q1),
+            median: mean(|q| q.median),
+            q3: mean(|q| q.q3),
+        }
+    }
+
+    /// What the adapter's own clock tells of a frame, as [`Self::mean`]; `None` where it has none.
+    pub fn gpu_ms(&self) -> Option<f64> {
+        let first = self.runs.first()?.first()?;
+        first.gpu_ms?;
+        Some(self.mean(|t| t.gpu_ms.unwrap_or(f64::NAN)))
+    }
+
+    /// How far the frame time of a view can be trusted ([`noise`]).
+    fn noise(&self, view: usize) -> Option<f64> {
+        noise(
+            &self.runs[view]
+                .iter()
+                .map(|t| t.frame_ms)
+                .collect::<Vec<_>>(),
+        )
+    }
+}
+
+/// How noisy a race was.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Noise {
+    /// The standard error of a median frame time over it: the middle one of all views and entrants. `None` where there were
+    /// fewer than three rounds.
+    pub relative: Option<f64>,
+    /// Rounds that were run beyond those asked for, over all views.
+    pub extra_rounds: usize,
+}
+
+impl Noise {
+    /// The noise of these outcomes of a race of `rounds`.
+    pub fn of(outcomes: &[Outcome], rounds: usize) -> Self {
+        let all: Vec<f64> = outcomes
+            .iter()
+            .flat_map(|o| (0..o.runs.len()).filter_map(|view| o.noise(view)))
+            .collect();
+        let extra = outcomes.first().map_or(0, |o| {
+            o.runs
+                .iter()
+                .map(|runs| runs.len().saturating_sub(rounds))
+                .sum()
+        });
+        Self {
+            relative: (!all.is_empty()).then(|| median(&all)),
+            extra_rounds: extra,
+        }
+    }
+
+    /// In words, in one line.
+    pub fn words(&self) -> String {
+        let mut words = match self.relative {
+            Some(relative) => {
+                format!(
+                    "noise: medians are good to {:.1} % (standard error)",
+                    100.0 * relative
+                )
+            }
+            None => "noise: unknown, of fewer than three runs each".to_owned(),
+        };
+        if self.extra_rounds > 0 {
+            words = format!("{words}, after {} more rounds", self.extra_rounds);
+        }
+        if self.relative.is_some_and(|r| r > NOISE_BOUND) {
+            words = format!("{words}; the machine is busy");
+        }
+        words
+    }
+}
+
+/// Whether a view's medians are too noisy to stop at.
+fn is_noisy(outcomes: &[Outcome], view: usize) -> bool {
+    let all: Vec<f64> = outcomes.iter().filter_map(|o| o.noise(view)).collect();
+    !all.is_empty() && median(&all) > NOISE_BOUND
 }
 
 /// Lets all entrants draw all views, `rounds` times each, in turns.
@@ -82,11 +177,18 @@ pub fn race(
         compare_with_box(entrants, &mut outcomes, &pictures);
         drop(pictures);
         let before = before + 2.0 * entrants.len() as f64;
-        for (run, i) in interleaved(entrants.len(), rounds).enumerate() {
-            let entrant = &entrants[i];
-            let times = renderers[entrant.renderer].draw(&entrant.views[view])?;
-            outcomes[i].runs[view].push(times);
-            progress((before + (run + 1) as f64) / steps);
+        for again in 0..=AGAIN {
+            if again > 0 && !is_noisy(&outcomes, view) {
+                break;
+            }
+            for (run, i) in interleaved(entrants.len(), rounds).enumerate() {
+                let entrant = &entrants[i];
+                let times = renderers[entrant.renderer].draw(&entrant.views[view])?;
+                outcomes[i].runs[view].push(times);
+                if again == 0 {
+                    progress((before + (run + 1) as f64) / steps);
+                }
+            }
         }
     }
     Ok(outcomes)
@@ -147,7 +249,8 @@ impl Outcome {
 fn compare_with_box(entrants: &[Entrant], outcomes: &mut [Outcome], pictures: &[Picture]) {
     for (i, entrant) in entrants.iter().enumerate() {
         let base = entrants.iter().position(|other| {
-            other.renderer == entrant.renderer && other.views.iter().all(|s| s.skip == Skip::Box)
+            other.renderer == entrant.renderer
+                && (other.views.iter()).all(|s| s.skip == Skip::Box && s.slices.is_none())
         });
         if let Some(base) = base {
             let difference = pictures[i].difference(&pictures[base]);

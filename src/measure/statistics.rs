@@ -41,6 +41,19 @@ pub fn median(numbers: &[f64]) -> f64 {
     quartiles(numbers).median
 }
 
+/// How far a median of so many noisy numbers can be trusted: its standard error over itself, from the distance of the
+/// quartiles (which a long tail does not move), as if noise were normal: `1.253 (q3 - q1) / 1.349 / sqrt(n) / median`. `None`
+/// for fewer than three numbers, which tell nothing of their noise.
+pub fn noise(numbers: &[f64]) -> Option<f64> {
+    if numbers.len() < 3 {
+        return None;
+    }
+    let Quartiles { q1, median, q3 } = quartiles(numbers);
+    let deviation = (q3 - q1) / 1.349;
+    let noise = 1.253 * deviation / (numbers.len() as f64).sqrt() / median;
+    noise.is_finite().then_some(noise)
+}
+
 /// Indices of `contestants` in the order of their runs: A B C, A B C, ... for `rounds` rounds.
 ///
 /// A machine that slows down or is disturbed for a while then slows all contestants, not the one whose turn it was.
@@ -179,6 +192,21 @@ mod tests {
         assert_eq!(quartiles(&[5.0, 1.0, 4.0, 2.0, 3.0]), expected);
         assert_eq!(median(&[1.0, 2.0]), 1.5);
         assert_eq!(quartiles(&[7.0]).q3, 7.0);
+    }
+
+    #[test]
+    fn noise_is_of_the_numbers_middle_and_falls_with_their_number() {
+        assert_eq!(noise(&[1.0, 9.0]), None);
+        assert_eq!(noise(&[2.0; 5]), Some(0.0));
+        let mut few = vec![9.0, 10.0, 11.0, 10.0, 9.5];
+        let of_few = noise(&few).unwrap();
+        assert!(of_few > 0.02 && of_few < 0.1, "{of_few}");
+        few.extend(few.clone());
+        few.extend(few.clone());
+        assert!(noise(&few).unwrap() < 0.6 * of_few);
+        // One run that was disturbed moves neither quartile far.
+        few[2] = 1000.0;
+        assert!(noise(&few).unwrap() < of_few);
     }
 
     #[test]

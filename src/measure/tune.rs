@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::compare::settings_on;
-use super::race::{Entrant, Outcome, race};
+use super::race::{Entrant, Noise, Outcome, race};
 use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::render::{Choice, Renderer, Settings};
@@ -42,6 +42,10 @@ pub struct Row {
     pub cuts: Option<String>,
     /// A frame after the structures stand, without read-back: the median of each view's rounds, averaged over the views.
     pub frame_ms: f64,
+    /// The first quartile of that: of each view's rounds, averaged over the views.
+    pub frame_q1_ms: f64,
+    /// The third quartile.
+    pub frame_q3_ms: f64,
     /// `frame_ms` of box on the same backend over this row's.
     pub speedup_vs_box: f64,
     /// Samples taken per pixel of the picture.
@@ -77,6 +81,8 @@ pub struct Tuning {
     pub rows: Vec<Row>,
     /// One for each renderer, where cuts are searched too.
     pub auto: Vec<Auto>,
+    /// Of all times.
+    pub noise: Noise,
 }
 
 /// Tries everything on each of the renderers, whose volume and transfer function are set.
@@ -166,13 +172,16 @@ pub fn tune(
                 .iter()
                 .position(|(r, c)| r == renderer && c.skip == Skip::Box)
                 .map_or(f64::NAN, |i| outcomes[i].mean(|t| t.frame_ms));
-            let frame_ms = outcome.mean(|t| t.frame_ms);
+            let frame = outcome.quartiles(|t| t.frame_ms);
+            let frame_ms = frame.median;
             Row {
                 backend: renderers[*renderer].info().backend,
                 method: choice.skip.method().name,
                 block: choice.block,
                 cuts: choice.cut_words(),
                 frame_ms,
+                frame_q1_ms: frame.q1,
+                frame_q3_ms: frame.q3,
                 speedup_vs_box: base / frame_ms,
                 samples_per_pixel: outcome.counters.samples as f64 / pixels,
                 structure_bytes: outcome.preparation.structure_bytes,
@@ -183,7 +192,11 @@ pub fn tune(
         })
         .collect();
     rows.sort_by(|a, b| a.frame_ms.total_cmp(&b.frame_ms));
-    Ok(Tuning { rows, auto })
+    Ok(Tuning {
+        rows,
+        auto,
+        noise: Noise::of(&outcomes, plan.rounds),
+    })
 }
 
 /// The plan's views as a renderer draws them.

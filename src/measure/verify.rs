@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::lattice::Clipping;
 use crate::mode::Mode;
 use crate::render::{Renderer, Settings};
-use crate::sample::Sampler;
+use crate::sample::{Classification, Gradients, Sampler};
 use crate::scene::Picture;
 use crate::skip::{Cuts, METHODS, Skip};
 use crate::transfer::TransferFunction;
@@ -122,6 +122,8 @@ pub const BLOCKS: [usize; 4] = [4, 8, 16, 32];
 pub const STEPS: [f64; 3] = [0.002, 0.005, 0.01];
 /// Early termination thresholds of the matrix.
 pub const THRESHOLDS: [f32; 2] = [0.98, 1.0];
+/// Samplers of the pairwise cases. The B-spline costs eight times as much and more: [`matrix`] tries it where it is named.
+pub const SAMPLERS: [Sampler; 3] = [Sampler::Hardware, Sampler::Exact, Sampler::Nearest];
 
 /// Every combination of the settings, with these samplers. Cases that differ in the block alone follow one another.
 pub fn matrix(samplers: &[Sampler]) -> Vec<Case> {
@@ -152,7 +154,7 @@ pub fn matrix(samplers: &[Sampler]) -> Vec<Case> {
 /// # Panics
 /// Never: cases are made of the values that are looked up.
 pub fn pairwise() -> Vec<Case> {
-    let all = matrix(Sampler::ALL);
+    let all = matrix(&SAMPLERS);
     let key = |c: &Case| {
         let position = |found: Option<usize>| found.expect("cases are made of these values");
         [
@@ -160,7 +162,7 @@ pub fn pairwise() -> Vec<Case> {
             usize::from(c.is_parallel),
             position(STEPS.iter().position(|s| *s == c.step_edges)),
             position(THRESHOLDS.iter().position(|t| *t == c.ert)),
-            position(Sampler::ALL.iter().position(|s| *s == c.sampler)),
+            position(SAMPLERS.iter().position(|s| *s == c.sampler)),
             position(BLOCKS.iter().position(|b| *b == c.block)),
         ]
     };
@@ -211,6 +213,9 @@ pub struct Verifier<'a> {
     /// What is compared with box.
     methods: Vec<Skip>,
     mode: Mode,
+    classification: Classification,
+    gradients: Gradients,
+    depth_cue: f64,
     clipping: Clipping,
     cuts: Cuts,
     size: [u32; 2],
@@ -238,6 +243,9 @@ impl<'a> Verifier<'a> {
             transfer,
             methods,
             mode: Mode::EmissionAbsorption,
+            classification: Classification::Post,
+            gradients: Gradients::Fly,
+            depth_cue: 0.0,
             clipping: Clipping::NONE,
             cuts,
             size,
@@ -257,6 +265,25 @@ impl<'a> Verifier<'a> {
         Self { mode, ..self }
     }
 
+    /// Draws with gradients from here, and with a depth cue of this strength.
+    #[must_use]
+    pub fn with_shading(self, gradients: Gradients, depth_cue: f64) -> Self {
+        Self {
+            gradients,
+            depth_cue,
+            ..self
+        }
+    }
+
+    /// Classifies samples this way instead of after interpolation.
+    #[must_use]
+    pub fn with_classification(self, classification: Classification) -> Self {
+        Self {
+            classification,
+            ..self
+        }
+    }
+
     /// Draws what these planes leave.
     #[must_use]
     pub fn with_clipping(self, clipping: Clipping) -> Self {
@@ -271,6 +298,9 @@ impl<'a> Verifier<'a> {
         let mut settings = Settings {
             sampler: Some(case.sampler),
             mode: self.mode,
+            classification: self.classification,
+            gradients: self.gradients,
+            depth_cue: self.depth_cue,
             block: case.block,
             step_voxels: case.step_edges * self.volume.extent().max_element(),
             ert: case.ert,
@@ -317,7 +347,7 @@ mod tests {
     fn pairwise_cases_hold_every_pair_in_few_cases() {
         let cases = pairwise();
         assert!(
-            cases.len() < matrix(Sampler::ALL).len() / 8,
+            cases.len() < matrix(&SAMPLERS).len() / 8,
             "{} cases",
             cases.len()
         );

@@ -98,7 +98,24 @@ impl Mode {
             Self::TwoSurfaces { outer, iso, .. } => {
                 about("iso", outer.iso).or_else(|| about("iso2", *iso))
             }
-            _ => None,
+            Self::Grey(window) | Self::Mip(window) | Self::Mean(window) => {
+                let Window {
+                    low: from,
+                    high: to,
+                } = window;
+                (*from >= high).then(|| {
+                    format!(
+                        "window {from}:{to} lies above all data ({low} to {high}): nothing is seen"
+                    )
+                })
+            }
+            Self::Minip(Window {
+                low: from,
+                high: to,
+            }) => (*to <= low).then(|| {
+                format!("window {from}:{to} lies below all data ({low} to {high}): nothing is seen")
+            }),
+            Self::EmissionAbsorption | Self::Shaded(_) => None,
         }
     }
 }

@@ -9,6 +9,7 @@
 
 pub mod activity;
 mod check;
+pub mod cue;
 pub mod emission_absorption;
 pub mod parameters;
 pub mod surface;
@@ -21,6 +22,7 @@ use crate::transfer::{Domain, Table, threshold};
 use crate::volume::Statistics;
 
 pub use activity::Activity;
+pub use cue::DepthCue;
 pub use parameters::Parameters;
 pub use surface::{Light, Lighting};
 
@@ -223,6 +225,19 @@ impl Mode {
     /// Whether it looks samples up in the transfer function's table.
     pub fn takes_table(&self) -> bool {
         matches!(self, Self::EmissionAbsorption | Self::Shaded(_))
+    }
+
+    /// Whether a ray keeps the highest place in the window, so that blocks that lie no higher can be left out.
+    pub fn keeps_highest(&self) -> bool {
+        matches!(self, Self::Mip(_) | Self::Minip(_))
+    }
+
+    /// Whether it looks at gradients.
+    pub fn takes_gradients(&self) -> bool {
+        matches!(
+            self,
+            Self::Shaded(_) | Self::Normals { .. } | Self::Phong { .. } | Self::TwoSurfaces { .. }
+        )
     }
 
     /// Whether a block whose samples have table coordinates in `range` can contribute to any picture in this mode.

@@ -6,6 +6,7 @@
 
 pub mod accelerator;
 mod bits;
+mod colored;
 pub mod hull;
 pub mod leaf_grid;
 pub mod occupancy;

@@ -1,9 +1,11 @@
 //! One pixel: the flat loop over the segments of a ray that every backend has.
 
 use super::Classes;
-use crate::lattice::RayBasis;
-use crate::mode::{Mode, Parameters};
-use crate::sample::{Sampler, cell, trilinear};
+use super::classes::Baked;
+use crate::lattice::{Ray, RayBasis};
+use crate::mode::{DepthCue, Mode, Parameters};
+use crate::sample::pre_integrated::Integrals;
+use crate::sample::{Classification, Gradients, Sampler, bspline, cell, gradients, trilinear};
 use crate::scene::{Counters, Scene};
 use crate::skip::Plan;
 
@@ -17,12 +19,24 @@ pub(super) struct Marcher<'a, V, C> {
     scale: f64,
     origin: f64,
     basis: RayBasis<f64>,
-    step: f64,
+    pub(super) step: f64,
     pub(super) grid_from_local: [f64; 3],
     sampler: Sampler,
+    gradients: Gradients,
+    coloring: Coloring<'a>,
     pub(super) mode: Mode,
+    pub(super) cue: DepthCue,
+    /// The direction that depth is measured along; unit length, local axes.
+    pub(super) forward: [f64; 3],
     pub(super) parameters: Parameters,
     pub(super) ert_threshold: f64,
+}
+
+/// How a sample gets its colour; what comes before or between samples is by the baked table.
+enum Coloring<'a> {
+    Post,
+    Pre(Baked<'a>),
+    PreIntegrated(Integrals),
 }
 
 /// What a ray found.
@@ -47,7 +61,17 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
             step: scene.frame.step,
             grid_from_local: scene.frame.grid_from_local.to_array(),
             sampler: scene.sampler,
+            gradients: scene.gradients,
+            coloring: match scene.classification {
+                Classification::Post => Coloring::Post,
+                Classification::Pre => Coloring::Pre(Baked::new(scene.table)),
+                Classification::PreIntegrated => {
+                    Coloring::PreIntegrated(Integrals::new(scene.table))
+                }
+            },
             mode: scene.mode,
+            cue: DepthCue::new(scene.depth_cue, scene.frame),
+            forward: scene.frame.dir.to_array(),
             parameters: Parameters::new(&scene.mode, classes.domain(), scene.frame.step),
             ert_threshold: scene.ert_threshold(),
         }
@@ -55,13 +79,20 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
 
     /// The pixel in column `x` of row `y`.
     pub(super) fn pixel(&self, x: usize, y: usize) -> Pixel {
-        let ray = self.basis.ray(x as f64, y as f64);
+        self.pixel_at([x as f64, y as f64])
+    }
+
+    /// What is seen at a place of the picture; whole numbers are the middles of pixels.
+    pub(super) fn pixel_at(&self, [x, y]: [f64; 2]) -> Pixel {
+        let ray = self.basis.ray(x, y);
         let mut state = [0.0; 4];
         let shows = |k: u32| {
             let k = f64::from(k);
             self.add(&mut [0.0; 4], self.sample(ray.at(k)), k, &ray)
         };
-        let mut segments = self.plan.segments(&ray, [x as u32, y as u32], &shows);
+        let mut segments = self
+            .plan
+            .segments(&ray, [x.round() as u32, y.round() as u32], &shows);
         let mut counters = Counters::default();
         let mut first_hit = f64::INFINITY;
         let mut k = 0;
@@ -97,26 +128,25 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
         }
     }
 
+    /// Premultiplied colour and opacity of sample `k`, of table coordinate `x`.
+    pub(super) fn color(&self, x: f64, k: f64, ray: &Ray<f64>) -> [f64; 4] {
+        match &self.coloring {
+            Coloring::Post => self.classes.rgba(x),
+            Coloring::Pre(table) => self.colors_around(ray.at(k), table),
+            Coloring::PreIntegrated(integrals) => integrals.interval(
+                self.sample(ray.interval_end(k)),
+                self.sample(ray.interval_end(k + 1.0)),
+            ),
+        }
+    }
+
     /// Table coordinate at a grid position; beyond the outermost voxel centres these go on.
     #[inline]
     pub(super) fn sample(&self, at: [f64; 3]) -> f64 {
         match self.sampler {
             Sampler::Hardware | Sampler::Exact => {
-                // Written out: nested maps over arrays do not inline, and this is where the time goes.
-                let (x, y, z) = (
-                    self.neighbours(0, at[0]),
-                    self.neighbours(1, at[1]),
-                    self.neighbours(2, at[2]),
-                );
-                let row = |y: usize, z: usize| {
-                    let row = (z * self.dims[1] + y) * self.dims[0];
-                    [self.voxels[row + x.0].into(), self.voxels[row + x.1].into()]
-                };
-                let corners = [
-                    [row(y.0, z.0), row(y.1, z.0)],
-                    [row(y.0, z.1), row(y.1, z.1)],
-                ];
-                (trilinear(corners, [x.2, y.2, z.2]) - self.origin) * self.scale
+                let (corners, fractions) = self.corners(at);
+                (trilinear(corners, fractions) - self.origin) * self.scale
             }
             Sampler::Nearest => {
                 let voxel = |a: usize| (at[a].floor() as i32).clamp(0, self.dims[a] as i32 - 1);
@@ -124,7 +154,76 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
                 let stored: f64 = self.voxels[(z * self.dims[1] + y) * self.dims[0] + x].into();
                 (stored - self.origin) * self.scale
             }
+            Sampler::Tricubic | Sampler::TricubicExact => {
+                (self.bspline(at) - self.origin) * self.scale
+            }
         }
+    }
+
+    /// The stored number of the cubic B-spline at a grid position: the weighted sum of 64 voxels.
+    fn bspline(&self, at: [f64; 3]) -> f64 {
+        let cells = at.map(cell);
+        let weights = cells.map(|(_, f)| bspline(f));
+        let voxel = |axis: usize, i: usize| {
+            let last = self.dims[axis] as i64 - 1;
+            (cells[axis].0 as i64 - 1 + i as i64).clamp(0, last) as usize
+        };
+        let mut sum = 0.0;
+        for z in 0..4 {
+            for y in 0..4 {
+                let row = (voxel(2, z) * self.dims[1] + voxel(1, y)) * self.dims[0];
+                let weight = weights[2][z] * weights[1][y];
+                for (x, along_x) in weights[0].into_iter().enumerate() {
+                    let stored: f64 = self.voxels[row + voxel(0, x)].into();
+                    sum += weight * along_x * stored;
+                }
+            }
+        }
+        sum
+    }
+
+    /// The gradient at a grid position, over two voxels along each axis, in table coordinates.
+    pub(super) fn differences(&self, at: [f64; 3]) -> [f64; 3] {
+        let Some(edge) = self.gradients.cell_edge() else {
+            return std::array::from_fn(|axis| {
+                let (mut before, mut after) = (at, at);
+                before[axis] -= 1.0;
+                after[axis] += 1.0;
+                self.sample(after) - self.sample(before)
+            });
+        };
+        gradients::interpolated(self.voxels, self.dims, edge, at).map(|d| d * self.scale)
+    }
+
+    /// The colours of the voxels around a grid position, interpolated.
+    fn colors_around(&self, at: [f64; 3], table: &Baked) -> [f64; 4] {
+        if self.sampler == Sampler::Nearest {
+            return table.rgba(self.sample(at));
+        }
+        let (corners, fractions) = self.corners(at);
+        let colors =
+            corners.map(|z| z.map(|y| y.map(|v| table.rgba((v - self.origin) * self.scale))));
+        std::array::from_fn(|c| trilinear(colors.map(|z| z.map(|y| y.map(|v| v[c]))), fractions))
+    }
+
+    /// The stored numbers around a grid position, and where it lies between them.
+    #[inline]
+    fn corners(&self, at: [f64; 3]) -> ([[[f64; 2]; 2]; 2], [f64; 3]) {
+        // Written out: nested maps over arrays do not inline, and this is where the time goes.
+        let (x, y, z) = (
+            self.neighbours(0, at[0]),
+            self.neighbours(1, at[1]),
+            self.neighbours(2, at[2]),
+        );
+        let row = |y: usize, z: usize| {
+            let row = (z * self.dims[1] + y) * self.dims[0];
+            [self.voxels[row + x.0].into(), self.voxels[row + x.1].into()]
+        };
+        let corners = [
+            [row(y.0, z.0), row(y.1, z.0)],
+            [row(y.0, z.1), row(y.1, z.1)],
+        ];
+        (corners, [x.2, y.2, z.2])
     }
 
     /// The two voxels around a grid coordinate of `axis`, and the fraction between them.

@@ -77,6 +77,46 @@ pub fn work_of(scene: &Scene, plan: &Plan, pixels: &[[u32; 2]]) -> Vec<Counters>
     })
 }
 
+/// What is seen at one place of a picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Traced {
+    /// Linear, premultiplied.
+    pub rgba: [f64; 4],
+    /// Distance along the ray, from its start, to the first contributing sample, in local units; infinite where there is
+    /// none.
+    pub first_hit: f64,
+}
+
+/// What is seen at places (column, row) of the picture, of which whole numbers are the middles of pixels: there it is what
+/// [`render_f64`] has. `plan` must not be beam masks, which know whole pixels only.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`] where `progress` was told to stop.
+pub fn trace(
+    scene: &Scene,
+    plan: &Plan,
+    places: &[[f64; 2]],
+    progress: &Progress,
+) -> Result<Vec<Traced>> {
+    let classes = Baked::new(scene.table);
+    with_voxels!(&scene.volume.voxels, voxels => {
+        let marcher = Marcher::new(scene, plan, voxels, &classes);
+        places
+            .par_iter()
+            .map(|&place| {
+                if progress.is_cancelled() {
+                    return Err(crate::Error::Cancelled);
+                }
+                let pixel = marcher.pixel_at(place);
+                Ok(Traced {
+                    rgba: pixel.rgba,
+                    first_hit: pixel.first_hit,
+                })
+            })
+            .collect()
+    })
+}
+
 /// The pixels of [`render`] before they are rounded: linear, premultiplied, row by row from the top left.
 ///
 /// # Errors

@@ -11,10 +11,14 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
     pub(super) fn add(&self, state: &mut [f64; 4], x: f64, k: f64, ray: &Ray<f64>) -> bool {
         let p = &self.parameters;
         match self.mode {
-            Mode::EmissionAbsorption => accumulate(state, self.classes.rgba(x)),
+            Mode::EmissionAbsorption => {
+                let color = self.color(x, k, ray);
+                accumulate(state, self.cued(color, k, ray))
+            }
             Mode::Shaded(_) => {
-                let color = self.classes.rgba(x);
-                color != [0.0; 4] && accumulate(state, self.shaded(color, ray.at(k), ray))
+                let color = self.color(x, k, ray);
+                let lit = || self.shaded(color, ray.at(k), ray);
+                color != [0.0; 4] && accumulate(state, self.cued(lit(), k, ray))
             }
             Mode::Grey(_) => {
                 let v = p.in_window(x);
@@ -23,7 +27,8 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
                 } else {
                     -f64::exp_m1(p.opacity_ratio * f64::ln_1p(-v))
                 };
-                accumulate(state, [v * opacity, v * opacity, v * opacity, opacity])
+                let grey = v * opacity;
+                accumulate(state, self.cued([grey, grey, grey, opacity], k, ray))
             }
             Mode::Mip(_) | Mode::Minip(_) => {
                 let v = p.in_window(x);
@@ -56,7 +61,7 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
             Mode::TwoSurfaces { .. } => {
                 let meets_outer = state[3] == 0.0 && p.is_inside(x, p.outer_iso);
                 if meets_outer {
-                    let [r, g, b, opacity] = p.outer_color;
+                    let [r, g, b, opacity] = self.cued_surface(p.outer_color, ray, k, p.outer_iso);
                     *state = [r * opacity, g * opacity, b * opacity, opacity];
                 }
                 let meets_inner = state[3] < 1.0 && p.is_inside(x, p.iso);
@@ -113,23 +118,53 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
     fn lit_surface(&self, ray: &Ray<f64>, k: f64) -> [f64; 3] {
         let to_eye = self.to_eye(ray);
         let normal = self.surface_normal(ray, k, to_eye);
-        let [diffuse, gloss] = self.parameters.lighting.reflected(normal, to_eye);
-        self.parameters.color.map(|c| c * diffuse + gloss)
+        let p = &self.parameters;
+        let [diffuse, gloss] = p.lighting.reflected(normal, to_eye);
+        let [r, g, b] = p.color.map(|c| c * diffuse + gloss);
+        let [r, g, b, _] = self.cued_surface([r, g, b, 1.0], ray, k, p.iso);
+        [r, g, b]
     }
 
-    /// Where the field comes to the surface between sample `k`, which is inside, and the one before.
-    fn crossing(&self, ray: &Ray<f64>, k: f64) -> [f64; 3] {
+    /// The colour of the surface at `iso` as the depth leaves it at which the ray meets it before sample `k`.
+    fn cued_surface(&self, color: [f64; 4], ray: &Ray<f64>, k: f64, iso: f64) -> [f64; 4] {
+        if self.cue.strength == 0.0 {
+            return color;
+        }
+        self.cued(color, self.meets(ray, k, iso), ray)
+    }
+
+    /// A colour at sample `k`, or between samples, as the depth leaves it.
+    fn cued(&self, color: [f64; 4], k: f64, ray: &Ray<f64>) -> [f64; 4] {
+        if self.cue.strength == 0.0 {
+            return color;
+        }
+        // Depth per local unit along the ray.
+        let slope: f64 = (0..3)
+            .map(|a| ray.delta[a] / self.grid_from_local[a] * self.forward[a])
+            .sum::<f64>()
+            / self.step;
+        let light = self.cue.light((ray.t_box + (k + 0.5) * self.step) * slope);
+        let [r, g, b, opacity] = color;
+        [r * light, g * light, b * light, opacity]
+    }
+
+    /// Where the ray meets the surface at `iso` before sample `k`, as an index between samples: at the first sample where it
+    /// begins inside.
+    fn meets(&self, ray: &Ray<f64>, k: f64, iso: f64) -> f64 {
+        if k <= ray.k_near {
+            return k;
+        }
         let p = &self.parameters;
         let (mut inside, mut outside) = (0.0, 1.0);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (inside + outside);
-            if p.is_inside(self.sample(ray.at(k - middle)), p.iso) {
+            if p.is_inside(self.sample(ray.at(k - middle)), iso) {
                 inside = middle;
             } else {
                 outside = middle;
             }
         }
-        ray.at(k - 0.5 * (inside + outside))
+        k - 0.5 * (inside + outside)
     }
 
     /// The normal of the (inner) surface where the ray comes to it before sample `k`: towards less. Towards the eye where
@@ -138,19 +173,15 @@ impl<V: Copy + Into<f64>, C: Classes> Marcher<'_, V, C> {
         if k <= ray.k_near {
             return to_eye;
         }
-        let gradient = self.gradient(self.crossing(ray, k));
+        let gradient = self.gradient(ray.at(self.meets(ray, k, self.parameters.iso)));
         surface::normal(gradient, self.parameters.least_gradient).unwrap_or(to_eye)
     }
 
     /// Central differences over two voxels, per local unit, of data values (in units of the table).
     fn gradient(&self, at: [f64; 3]) -> [f64; 3] {
+        let differences = self.differences(at);
         std::array::from_fn(|axis| {
-            let (mut before, mut after) = (at, at);
-            before[axis] -= 1.0;
-            after[axis] += 1.0;
-            (self.sample(after) - self.sample(before))
-                * self.grid_from_local[axis]
-                * self.parameters.direction
+            differences[axis] * self.grid_from_local[axis] * self.parameters.direction
         })
     }
 

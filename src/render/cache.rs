@@ -1,4 +1,4 @@
-//! What is found out once per adapter and kept in the user's cache folder, as JSON. Every file there is safe to delete,
+//! What is found out once, per adapter or scene, and kept in the user's cache folder; what adapters cost as JSON. Every file there is safe to delete,
 //! and one that cannot be read is made anew.
 
 use std::path::{Path, PathBuf};

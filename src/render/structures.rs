@@ -1,36 +1,37 @@
 //! The structures of the resident volume: built at first use, kept, culled again when the table's zeros move.
 
+mod culled;
+mod near;
+
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
-use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 
 use glam::DVec3;
 
+use self::culled::Culled;
+use self::near::starts_near;
+use super::block_words::{BlockWords, strides};
 use super::gpu::Part;
 use super::{Preparation, Settings, ms_since};
-use crate::camera::{Camera, Projection};
 use crate::cpu::CpuPlan;
 use crate::error::{Error, Result};
-use crate::mode::Activity;
-use crate::octree::{Accelerator, Hull, LeafGrid, Occupancy};
+use crate::octree::{Accelerator, Occupancy};
+use crate::sample::Classification;
 use crate::scene::Scene;
-use crate::skip::adaptive::{Gradients, Strides};
+use crate::skip::adaptive::Gradients;
 use crate::skip::beam_masks::BeamMasks;
-use crate::skip::k_cuts::{BestCuts, CUT_SAMPLES, Planes};
-use crate::skip::{self, HalfCut, Plan, Skip};
+use crate::skip::k_cuts::CUT_SAMPLES;
+use crate::skip::{HalfCut, Plan, Skip};
 use crate::transfer::Table;
 
-/// Edge in voxels, about, of the boxes that tell which tiles can show anything.
-const TILE_BOX: usize = 16;
-
-/// Accelerators by block size, each with what a table left of it.
+/// Accelerators by block size and apron, each with what a table left of it.
 #[derive(Default)]
 pub(super) struct Structures {
     /// Smallest and largest stored number of the volume.
     range: [f64; 2],
-    by_block: BTreeMap<usize, Kept>,
+    by_block: BTreeMap<(usize, usize), Kept>,
     /// What the SIMD backend keeps for box, which needs no block.
     cpu_box: Option<(Arc<Table>, CpuPlan)>,
     /// Names the culled states, so that what is on the device can be told apart.
@@ -45,8 +46,8 @@ pub(super) struct GpuNeeds<'a> {
     pub(super) parts: Vec<Part<'a>>,
     /// What tells each tile its segments, where nothing is rasterised.
     pub(super) masks: Option<&'a BeamMasks>,
-    /// What the method's own shader reads of every block, and its name.
-    pub(super) blocks: Option<(u64, &'a [u32])>,
+    /// What the method's own shader reads of every block.
+    pub(super) blocks: Option<&'a BlockWords>,
     /// Boxes around all that can be seen, local coordinates.
     pub(super) active: Vec<[DVec3; 2]>,
 }
@@ -57,37 +58,6 @@ struct Kept {
     /// What adaptive strides follow from, besides the table.
     gradients: Option<Gradients>,
     culled: Option<Culled>,
-}
-
-/// What is active under one table and mode.
-struct Culled {
-    id: u64,
-    activity: Activity,
-    table: Arc<Table>,
-    occupancy: Occupancy,
-    /// By the blocks that they are of, as they were asked for first: a hull's place is its name.
-    hulls: Vec<([Range<usize>; 3], Hull)>,
-    best_cuts: [Option<BestCuts>; 3],
-    /// Boxes around the active blocks, local coordinates.
-    boxes: Vec<[DVec3; 2]>,
-    cull_ms: f64,
-    /// What the SIMD backend keeps, by method.
-    cpu_plans: Vec<CpuPlan>,
-    masks: Option<BeamMasks>,
-    /// What shaders of their own read of every block, by method.
-    words: Vec<Words>,
-}
-
-/// What one method's shader reads of every block.
-struct Words {
-    /// Names them among all that is on the device.
-    id: u64,
-    skip: Skip,
-    /// The table that they were made for.
-    table: Arc<Table>,
-    content: Vec<u32>,
-    /// What making them took.
-    ms: f64,
 }
 
 impl Structures {
@@ -153,37 +123,17 @@ impl Structures {
         if settings.skip == Skip::BeamMasks && culled.masks.is_none() {
             culled.masks = Some(BeamMasks::new(culled.occupancy.clone()));
         }
-        if settings.skip == Skip::Adaptive {
-            // What its words say of blocks follows from the whole table, not only from where it shows anything.
-            let is_current = |w: &Words| w.skip != settings.skip || Arc::ptr_eq(&w.table, table);
-            culled.words.retain(is_current);
-        }
-        if culled.words_of(settings.skip).is_none() {
-            let start = Instant::now();
-            let words = match settings.skip {
-                Skip::Adaptive => {
-                    let grid = &kept.accelerator.grid;
-                    let gradients = kept
-                        .gradients
-                        .get_or_insert_with(|| Gradients::new(scene.volume, grid));
-                    Some(strides(gradients, grid, &culled.occupancy, scene).words())
-                }
-                skip => skip.block_words(&culled.occupancy),
-            };
-            if let Some(words) = words {
-                culled.words.push(Words {
-                    id: words_id,
-                    skip: settings.skip,
-                    table: Arc::clone(table),
-                    content: words,
-                    ms: ms_since(start),
-                });
-            }
+        culled.words.retain(|w| w.hold_under(table));
+        if culled.words_of(settings).is_none() {
+            let blocks = (&accelerator.grid, &culled.occupancy);
+            let gradients = &mut kept.gradients;
+            let made = BlockWords::make(words_id, settings, scene, table, blocks, gradients);
+            culled.words.extend(made);
         }
         let regions = culled.regions(settings, scene, cut_samples);
         let places: Vec<usize> = regions.iter().map(|r| culled.make_hull(r)).collect();
         let culled = &*culled;
-        let preparation = culled.preparation(settings.skip, &places, accelerator, build_ms);
+        let preparation = culled.preparation(settings, &places, accelerator, build_ms);
         let parts = regions
             .iter()
             .zip(places)
@@ -199,7 +149,7 @@ impl Structures {
                 .masks
                 .as_ref()
                 .filter(|_| settings.skip == Skip::BeamMasks),
-            blocks: culled.words_of(settings.skip),
+            blocks: culled.words_of(settings),
             active: culled.boxes.clone(),
         };
         Ok((needs, preparation))
@@ -222,8 +172,7 @@ impl Structures {
         let culled = kept.culled.as_mut().expect("culled just above");
         let (axis, planes) = culled.planes(settings, scene, cut_samples);
         let culled = &*culled;
-        let mut preparation =
-            culled.preparation(settings.skip, &[], &kept.accelerator, kept.build_ms);
+        let mut preparation = culled.preparation(settings, &[], &kept.accelerator, kept.build_ms);
         let start = Instant::now();
         let plan = if settings.skip == Skip::Adaptive {
             let grid = &kept.accelerator.grid;
@@ -280,25 +229,24 @@ impl Structures {
             .iter()
             .find(|plan| plan.skip() == settings.skip);
         let plan = plan.expect("made just above");
-        let mut preparation =
-            culled.preparation(settings.skip, &[], &kept.accelerator, kept.build_ms);
+        let mut preparation = culled.preparation(settings, &[], &kept.accelerator, kept.build_ms);
         preparation.structure_bytes += plan.bytes() as u64;
         Ok((plan, preparation))
     }
 
-    /// The structures of the settings' block size, culled for the table and mode.
+    /// The structures of the settings' block size and the sampler's apron, culled for the table and mode.
     fn culled(
         &mut self,
         settings: &Settings,
         scene: &Scene,
         table: &Arc<Table>,
     ) -> Result<&mut Kept> {
-        let kept = match self.by_block.entry(settings.block) {
+        let apron = scene.sampler.apron();
+        let kept = match self.by_block.entry((settings.block, apron)) {
             Entry::Occupied(entry) => entry.into_mut(),
             Entry::Vacant(entry) => {
                 let start = Instant::now();
-                let accelerator =
-                    Accelerator::build(scene.volume, settings.block, scene.sampler.apron())?;
+                let accelerator = Accelerator::build(scene.volume, settings.block, apron)?;
                 entry.insert(Kept {
                     accelerator,
                     build_ms: ms_since(start),
@@ -308,10 +256,10 @@ impl Structures {
             }
         };
         let activity = settings.mode.activity(table.domain());
-        let is_current = kept
-            .culled
-            .as_ref()
-            .is_some_and(|c| activity.is_that_of(table, c.activity, &c.table));
+        let is_current = kept.culled.as_ref().is_some_and(|c| {
+            let is_by_voxel = settings.classification == Classification::Pre;
+            c.is_by_voxel == is_by_voxel && activity.is_that_of(table, c.activity, &c.table)
+        });
         if !is_current {
             self.next_id += 1;
             kept.culled = Some(Culled::new(
@@ -324,222 +272,4 @@ impl Structures {
         }
         Ok(kept)
     }
-}
-
-/// Slabs between `planes` (local coordinates along `axis`), in an order that serves every ray of the camera: outward from
-/// the one that the eye is in, or from the first one that parallel rays meet. A ray leaves that slab upwards or downwards
-/// and never turns, so that the slabs of the other side are none of its own, whichever side is listed first.
-fn near_first(camera: &Camera, axis: usize, planes: &[f64]) -> impl Iterator<Item = usize> {
-    let nearest = match camera.projection {
-        Projection::Perspective { .. } => planes.partition_point(|&p| p <= camera.eye[axis]),
-        Projection::Orthographic { .. } if camera.forward()[axis] > 0.0 => 0,
-        Projection::Orthographic { .. } => planes.len(),
-    };
-    (nearest..=planes.len()).chain((0..nearest).rev())
-}
-
-/// Whether an active block of a region lies where rays start, give or take the larger of one sample and half a voxel:
-/// its front face may be clipped there.
-fn starts_near(
-    occupancy: &Occupancy,
-    region: &[Range<usize>; 3],
-    camera: &Camera,
-    scene: &Scene,
-) -> bool {
-    let block_size = scene.volume.voxel_size() * occupancy.block as f64;
-    // Faces grow up to half a voxel and are clipped a 64th before the eye's plane, more towards a wide picture's corners.
-    let reach = scene.frame.step.max(0.5) + 1.0;
-    let is_touched = |low: DVec3, high: DVec3| match camera.projection {
-        Projection::Perspective { .. } => {
-            camera.eye.cmpge(low - reach).all() && camera.eye.cmple(high + reach).all()
-        }
-        Projection::Orthographic { .. } => {
-            // Depth of the box before the eye's plane: from its nearest to its farthest corner.
-            let forward = camera.forward();
-            let centre = ((low + high) * 0.5 - camera.eye).dot(forward);
-            let half = ((high - low) * 0.5).dot(forward.abs());
-            (centre - half..=centre + half).contains(&0.0) || (centre.abs() - half).abs() <= reach
-        }
-    };
-    // Only blocks near the eye (or its plane) are looked at one by one.
-    let bounds = |b: [usize; 3], e: [usize; 3]| {
-        let v = |b: [usize; 3]| DVec3::from_array(b.map(|n| n as f64)) * block_size;
-        is_touched(v(b), v(e))
-    };
-    if !bounds(
-        region.clone().map(|r| r.start),
-        region.clone().map(|r| r.end),
-    ) {
-        return false;
-    }
-    region[2].clone().any(|z| {
-        bounds(
-            [region[0].start, region[1].start, z],
-            [region[0].end, region[1].end, z + 1],
-        ) && region[1].clone().any(|y| {
-            bounds([region[0].start, y, z], [region[0].end, y + 1, z + 1])
-                && region[0]
-                    .clone()
-                    .any(|x| occupancy.get([x, y, z]) && bounds([x, y, z], [x + 1, y + 1, z + 1]))
-        })
-    })
-}
-
-impl Culled {
-    fn new(
-        id: u64,
-        settings: &Settings,
-        scene: &Scene,
-        table: &Arc<Table>,
-        accelerator: &Accelerator,
-    ) -> Self {
-        let start = Instant::now();
-        let is_halved = settings.skip == Skip::HalfSplit && settings.cuts.half == HalfCut::Middle;
-        let halves = is_halved.then(|| skip::half_axis(settings.camera.forward()));
-        let occupancy = match halves {
-            Some(axis) => accelerator.cull_halves(axis, table, settings.mode),
-            None => accelerator.cull(table, settings.mode),
-        };
-        let boxes = boxes(&occupancy, scene);
-        Self {
-            id,
-            activity: settings.mode.activity(table.domain()),
-            table: Arc::clone(table),
-            occupancy,
-            hulls: Vec::new(),
-            best_cuts: Default::default(),
-            boxes,
-            cull_ms: ms_since(start),
-            cpu_plans: Vec::new(),
-            masks: None,
-            words: Vec::new(),
-        }
-    }
-
-    /// What a method's own shader reads, and its name.
-    fn words_of(&self, skip: Skip) -> Option<(u64, &[u32])> {
-        let found = self.words.iter().find(|w| w.skip == skip)?;
-        Some((found.id, &found.content))
-    }
-
-    /// The axis that the settings' method cuts across, and where it does.
-    fn planes(&mut self, settings: &Settings, scene: &Scene, cut_samples: f64) -> (usize, Planes) {
-        let axis = skip::half_axis(settings.camera.forward());
-        let middle = self.occupancy.half_cut(axis);
-        let block_size = scene.volume.voxel_size()[axis] * self.occupancy.block as f64;
-        let cut_cost = cut_samples * scene.frame.step / block_size;
-        let planes = settings
-            .cuts
-            .planes(settings.skip, middle, || self.best_cuts(axis), cut_cost);
-        (axis, planes)
-    }
-
-    fn best_cuts(&mut self, axis: usize) -> &BestCuts {
-        self.best_cuts[axis].get_or_insert_with(|| {
-            let start = Instant::now();
-            let best = BestCuts::new(&self.occupancy, axis);
-            self.cull_ms += ms_since(start);
-            best
-        })
-    }
-
-    /// The blocks of each part that the settings' method rasterises, near part first.
-    fn regions(
-        &mut self,
-        settings: &Settings,
-        scene: &Scene,
-        cut_samples: f64,
-    ) -> Vec<[Range<usize>; 3]> {
-        if !matches!(settings.skip, Skip::Hull | Skip::HalfSplit | Skip::KCuts) {
-            // The others take no rasterised parts; the backend refuses what it does not have.
-            return Vec::new();
-        }
-        let (axis, planes) = self.planes(settings, scene, cut_samples);
-        let block_size = scene.volume.voxel_size()[axis] * self.occupancy.block as f64;
-        let local: Vec<f64> = planes
-            .as_slice()
-            .iter()
-            .map(|&p| p as f64 * block_size)
-            .collect();
-        let slabs: Vec<_> = planes.slabs(self.occupancy.dims[axis]).collect();
-        near_first(&settings.camera, axis, &local)
-            .map(|slab| {
-                let mut region = self.occupancy.whole();
-                region[axis] = slabs[slab].clone();
-                region
-            })
-            .collect()
-    }
-
-    /// Builds the hull of a region, unless it stands, and tells its place.
-    fn make_hull(&mut self, region: &[Range<usize>; 3]) -> usize {
-        if let Some(place) = self.hulls.iter().position(|(r, _)| r == region) {
-            return place;
-        }
-        let start = Instant::now();
-        let hull = Hull::build(&self.occupancy, region.clone());
-        self.hulls.push((region.clone(), hull));
-        self.cull_ms += ms_since(start);
-        self.hulls.len() - 1
-    }
-
-    /// What stands for one method, which rasterises the hulls at these places.
-    fn preparation(
-        &self,
-        skip: Skip,
-        hulls: &[usize],
-        accelerator: &Accelerator,
-        build_ms: f64,
-    ) -> Preparation {
-        let words = self.words.iter().find(|w| w.skip == skip);
-        let masks = self.masks.as_ref().filter(|_| skip == Skip::BeamMasks);
-        let hulls = hulls
-            .iter()
-            .map(|&i| size_of_val(&self.hulls[i].1.faces[..]));
-        let bytes = accelerator.structure_bytes()
-            + size_of_val(self.occupancy.words())
-            + hulls.sum::<usize>()
-            + words.map_or(0, |w| w.content.len() * 4)
-            + masks.map_or(0, BeamMasks::bytes);
-        Preparation {
-            preprocess_ms: build_ms,
-            cull_ms: self.cull_ms + words.map_or(0.0, |w| w.ms),
-            structure_bytes: bytes as u64,
-        }
-    }
-}
-
-/// The strides that adaptive takes in a scene.
-fn strides(
-    gradients: &Gradients,
-    grid: &LeafGrid,
-    occupancy: &Occupancy,
-    scene: &Scene,
-) -> Strides {
-    Strides::new(occupancy, gradients, grid, scene.table, scene.frame.step)
-}
-
-/// Boxes around the active blocks, some blocks to each.
-fn boxes(occupancy: &Occupancy, scene: &Scene) -> Vec<[DVec3; 2]> {
-    let group = (TILE_BOX / occupancy.block).max(1);
-    let block_size = scene.volume.voxel_size() * occupancy.block as f64;
-    let mut boxes = Vec::new();
-    let groups = |axis: usize| (0..occupancy.dims[axis]).step_by(group);
-    for z in groups(2) {
-        for y in groups(1) {
-            for x in groups(0) {
-                let end = |from: usize, axis: usize| (from + group).min(occupancy.dims[axis]);
-                let is_active = (z..end(z, 2)).any(|z| {
-                    (y..end(y, 1)).any(|y| (x..end(x, 0)).any(|x| occupancy.get([x, y, z])))
-                });
-                if is_active {
-                    let low = DVec3::new(x as f64, y as f64, z as f64) * block_size;
-                    let high = DVec3::new(end(x, 0) as f64, end(y, 1) as f64, end(z, 2) as f64)
-                        * block_size;
-                    boxes.push([low, high.min(scene.frame.extent)]);
-                }
-            }
-        }
-    }
-    boxes
 }

@@ -456,6 +456,7 @@ mod tests {
             step: 1.0,
             size: [8, 8],
             clipping: crate::lattice::Clipping::NONE,
+            reach: 0.0,
         };
         let mut runs = TileRuns::default();
         BeamMasks::new(occupancy).find(&frame, 0..8, 0..8, Collapse::Runs, &mut runs);

@@ -187,10 +187,16 @@ impl Segments for RaySegments<'_> {
         let mut k = f64::from(k).max(self.ray.k_near);
         let mut first = None;
         while k < self.ray.k_end {
-            let at = self.ray.at(k);
+            let at = self.ray.at(k - self.ray.reach);
             let block: [f64; 3] = std::array::from_fn(|a| self.map.block_at(a, at[a]));
             let distance = self.map.get(block.map(|b| b as usize));
-            if distance == 0 {
+            // An interval ends where the next begins: the last one that begins in emptiness may end beyond it.
+            let free = if distance == 0 {
+                0.0
+            } else {
+                self.map.leap(&self.ray, at, block, f64::from(distance)) - 2.0 * self.ray.reach
+            };
+            if free == 0.0 {
                 first.get_or_insert(k as u32);
                 k += 1.0;
             } else if let Some(first) = first {
@@ -198,7 +204,7 @@ impl Segments for RaySegments<'_> {
                 return Some(first..k as u32);
             } else {
                 self.steps += 1;
-                k += self.map.leap(&self.ray, at, block, f64::from(distance));
+                k += free;
             }
         }
         self.steps += u32::from(first.is_some());

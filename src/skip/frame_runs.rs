@@ -35,8 +35,11 @@ impl FrameRuns {
     /// The runs of the pixel's tile on its ray.
     pub(super) fn segments(&self, ray: &Ray<f64>, pixel: [u32; 2]) -> Listed {
         let tile = &self.tiles[(pixel[1] / TILE * self.columns + pixel[0] / TILE) as usize];
+        // Whoever reaches half a step into a run lies at most one sample before or behind it.
+        let (pad, all) = ((2.0 * ray.reach).ceil(), [ray.k_near, ray.k_end]);
         (0..tile.len())
             .map(|i| tile.range(ray, i))
+            .map(|[first, end]| [(first - pad).max(all[0]), (end + pad).min(all[1])])
             .filter(|[first, end]| first < end)
             .map(|[first, end]| first as u32..end as u32)
             .collect()

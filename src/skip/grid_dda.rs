@@ -42,16 +42,20 @@ impl Segments for Walk<'_> {
     fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
         for (block, [_, leave]) in self.blocks.by_ref() {
             self.steps += 1;
+            let is_active = self.occupancy.get(block);
+            // Samples that reach from one block into the next are the active one's.
+            let reach = self.line.reach();
+            let reach = if is_active { reach } else { -reach };
             let all = self.line.range();
             // A sample where the line leaves lies in the next block; the last one of all has no next.
             let end = if leave < self.line.span()[1] {
-                ((leave - 0.5).ceil().max(0.0) as u32).clamp(self.given, all.end)
+                ((leave - 0.5 + reach).ceil().max(0.0) as u32).clamp(self.given, all.end)
             } else {
                 all.end
             };
             let start = self.given.max(k);
             self.given = end;
-            if start < end && self.occupancy.get(block) {
+            if start < end && is_active {
                 return Some(start..end);
             }
         }

@@ -12,6 +12,7 @@ mod grid_dda;
 mod half_split;
 mod hull;
 pub mod k_cuts;
+mod majorants;
 mod octree_encoded;
 mod oracle;
 mod plan;
@@ -26,6 +27,7 @@ pub use grid_dda::GridDda;
 pub use half_split::HalfSplit;
 pub use hull::Hull;
 pub use k_cuts::{Cuts, HalfCut, KCuts, SlabCount};
+pub use majorants::Majorants;
 pub use plan::{Plan, Segments, Shows};
 
 #[cfg(test)]
@@ -272,6 +274,15 @@ impl Skip {
     /// Whether it is told which blocks are active.
     pub fn reads_blocks(self) -> bool {
         !matches!(self, Self::Box | Self::TwoStep)
+    }
+
+    /// Whether its shader looks at every block when a ray comes to it, and so can leave out those that are bounded by what
+    /// the ray has seen.
+    pub fn reads_majorants(self) -> bool {
+        matches!(
+            self,
+            Self::DistanceMap | Self::GridDda | Self::OctreeEncoded
+        )
     }
 
     /// What its shader reads of every block, if it has one of its own that reads no more than which are active.

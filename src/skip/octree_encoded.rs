@@ -23,11 +23,17 @@ impl Segments for Positions<'_> {
         (start..self.ray.k_end as u32)
             .find(|&k| {
                 self.steps += 1;
-                let at = self.ray.at(f64::from(k));
-                let block = std::array::from_fn(|a| {
-                    block_at(self.occupancy.block, self.occupancy.dims[a], at[a]) as usize
-                });
-                self.occupancy.get(block)
+                let block = |reach: f64| {
+                    let at = self.ray.at(f64::from(k) + reach);
+                    std::array::from_fn(|a| {
+                        block_at(self.occupancy.block, self.occupancy.dims[a], at[a]) as usize
+                    })
+                };
+                let (front, back): ([usize; 3], [usize; 3]) =
+                    (block(-self.ray.reach), block(self.ray.reach));
+                // What lies between the values of two blocks that touch is theirs too: their supports overlap.
+                let touch = (0..3).all(|a| front[a].abs_diff(back[a]) <= 1);
+                !touch || self.occupancy.get(front) || self.occupancy.get(back)
             })
             .map(|k| k..k + 1)
     }

@@ -119,6 +119,8 @@ impl<'a> Plan<'a> {
             k_near: ray.k_near.into(),
             k_end: ray.k_end.into(),
             t_box: ray.t_box.into(),
+            drawn: ray.drawn.map(Into::into),
+            reach: ray.reach.into(),
         };
         match self {
             Self::Box => Box::new(bounding_box::segments(&line)),

@@ -82,6 +82,7 @@ pub(crate) fn scenes() -> impl Strategy<Value = SkipScene> {
                     step,
                     size: [7, 5],
                     clipping: Clipping::NONE,
+                    reach: 0.0,
                 };
                 SkipScene { occupancy, frame }
             },

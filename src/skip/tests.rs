@@ -269,6 +269,8 @@ fn ray(entry: [f64; 3], delta: [f64; 3], k_end: f64) -> Ray<f64> {
         k_near: 0.0,
         k_end,
         t_box: 0.0,
+        drawn: [0.0, k_end],
+        reach: 0.0,
     }
 }
 

@@ -23,6 +23,8 @@ pub(super) struct Line {
     inverse: [f64; 3],
     k_near: f64,
     k_end: f64,
+    /// How far a sample reaches to both sides.
+    reach: f64,
 }
 
 impl Line {
@@ -36,12 +38,21 @@ impl Line {
             inverse: delta.map(|d| 1.0 / d),
             k_near,
             k_end,
+            reach: ray.reach.into(),
         })
     }
 
-    /// From the first to the last sample, in `s`.
+    /// From the first to the last sample and as far as these reach, in `s`.
     pub(super) fn span(&self) -> [f64; 2] {
-        [self.k_near + 0.5, self.k_end - 0.5]
+        [
+            self.k_near + 0.5 - self.reach,
+            self.k_end - 0.5 + self.reach,
+        ]
+    }
+
+    /// How far a sample reaches to both sides, in `s`.
+    pub(super) fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// All samples.
@@ -49,10 +60,10 @@ impl Line {
         self.k_near as u32..self.k_end as u32
     }
 
-    /// The samples in a closed interval of `s`, and one more at each end.
+    /// The samples that reach into a closed interval of `s`, and one more at each end.
     pub(super) fn padded(&self, [start, end]: [f64; 2]) -> Range<u32> {
-        let first = (start - 0.5).ceil() - 1.0;
-        let last = (end - 0.5).floor() + 1.0;
+        let first = (start - 0.5 - self.reach).ceil() - 1.0;
+        let last = (end - 0.5 + self.reach).floor() + 1.0;
         first.max(self.k_near) as u32..(last + 1.0).min(self.k_end) as u32
     }
 

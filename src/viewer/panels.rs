@@ -137,6 +137,8 @@ fn sampler_tip(sampler: Sampler) -> &'static str {
     match sampler {
         Sampler::Hardware => "the adapter's trilinear filter",
         Sampler::Exact => "eight loads and f32 interpolation",
+        Sampler::Tricubic => "64 voxels, smooth to the second derivative, by the adapter's filter",
+        Sampler::TricubicExact => "64 voxels, smooth to the second derivative, in f32",
         Sampler::Nearest => "the voxel that the sample lies in",
     }
 }

@@ -213,3 +213,85 @@ fn rays_that_miss_find_nothing() {
         hit
     );
 }
+
+/// Values that rise with x times y, looked at along the diagonal: as far as voxel centres go, interpolation gives back just
+/// that, and values on the way rise with the square of it.
+fn curved() -> Volume {
+    let n = 8;
+    let voxels: Vec<u16> = (0..n * n * 3)
+        .map(|i| 1300 * (i % n * (i / n % n)) as u16)
+        .collect();
+    volume([n, n, 3], [1.0; 3], Voxels::U16(voxels.into()))
+}
+
+/// Halvings of a sixteenth of the diagonal, which is a chord of whole steps.
+const CURVED_STEPS: [f64; 6] = [1.0, 0.5, 0.25, 0.125, 0.0625, 0.03125];
+
+/// Errors at those steps across one steep interval of the table, in red and in opacity. It lies two thirds of the coarsest
+/// step past an interval's end, so a third or two thirds past one at any halving.
+fn errors_across_a_steep_interval(classification: Classification) -> [[f64; 2]; 6] {
+    let volume = curved();
+    let length = 8.0 * std::f64::consts::SQRT_2;
+    let coarsest = length / 16.0;
+    let at = coarsest * (9.0 + 2.0 / 3.0);
+    // On the diagonal x = y = s / sqrt(2), and values are 1300 (x - 1/2)^2.
+    let lower = (1300.0 * (at / std::f64::consts::SQRT_2 - 0.5).powi(2)).floor();
+    let at = ((lower + 0.5) / 1300.0).sqrt() + 0.5;
+    let at = at * std::f64::consts::SQRT_2;
+    let (thin, dense) = (0.05, 0.25);
+    let function = function(
+        vec![
+            point(lower, thin, [1.0, 0.0, 0.0]),
+            point(lower + 1.0, dense, [0.25, 0.0, 0.0]),
+        ],
+        1.0,
+    );
+    let [thin, dense] = [thin, dense].map(|a| -f64::ln_1p(-a));
+    let before = -f64::exp_m1(-thin * at);
+    let behind = -f64::exp_m1(-dense * (length - at)) * (1.0 - before);
+    let truth = [before + 0.25 * behind, before + behind];
+    let camera = Camera {
+        eye: DVec3::new(-40.0, -40.0, 1.5),
+        target: DVec3::new(4.0, 4.0, 1.5),
+        up: DVec3::Z,
+        projection: Projection::Orthographic { height: 1.0 },
+    };
+    CURVED_STEPS.map(|halving| {
+        let step = coarsest * halving;
+        let frame = RayFrame {
+            reach: classification.reach(),
+            ..camera
+                .ray_frame(&volume, [1, 1], step)
+                .expect("a valid view")
+        };
+        let table = function.bake(&domain(&volume, 65536), step);
+        let scene = Scene {
+            classification,
+            ..scene(&volume, &table, &frame, 1.0)
+        };
+        let pixel = render_f64(&scene, &Plan::Box, &Progress::default()).expect("not cancelled")[0];
+        [(pixel[0] - truth[0]).abs(), (pixel[3] - truth[1]).abs()]
+    })
+}
+
+#[test]
+fn pre_integration_converges_with_the_square_of_the_step_across_one_steep_table_interval() {
+    let fitted = |classification, channel: usize| {
+        let errors = errors_across_a_steep_interval(classification).map(|e| e[channel]);
+        (slope(&errors), errors)
+    };
+    for channel in [0, 1] {
+        let (slope, errors) = fitted(Classification::PreIntegrated, channel);
+        println!("pre-integrated: slope {slope:.3}, errors {errors:?}");
+        assert!(
+            (slope - 2.0).abs() < 0.15,
+            "slope {slope}, errors {errors:?}"
+        );
+        let (slope, errors) = fitted(Classification::Post, channel);
+        println!("post: slope {slope:.3}, errors {errors:?}");
+        assert!(
+            (slope - 1.0).abs() < 0.15,
+            "slope {slope}, errors {errors:?}"
+        );
+    }
+}

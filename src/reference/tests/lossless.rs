@@ -127,12 +127,19 @@ proptest! {
         block in prop::sample::select(vec![4usize, 8, 16, 32]),
         step in prop_oneof![0.2..1.0f64, 1.0..4.0f64, Just(0.5), Just(1.0)],
         ert in prop::sample::select(vec![0.5f32, 0.98, 1.0]),
+        classification in prop::sample::select(Classification::ALL),
     ) {
         let camera = orbit.camera(volume.extent());
-        let frame = camera.ray_frame(&volume, [11, 9], step).expect("a valid view");
+        let frame = RayFrame {
+            reach: classification.reach(),
+            ..camera.ray_frame(&volume, [11, 9], step).expect("a valid view")
+        };
         let table = ramp_from_40().bake(&domain(&volume, 256), step);
-        let occupancy = occupancy(&volume, &table, block);
-        let scene = scene(&volume, &table, &frame, ert);
+        let occupancy = match classification {
+            Classification::Pre => Occupancy::of_visible_voxels(&volume, &table, block, 1),
+            _ => occupancy(&volume, &table, block),
+        };
+        let scene = Scene { classification, ..scene(&volume, &table, &frame, ert) };
         let whole = counted(&scene, &Plan::Box);
         let exact = render_f64(&scene, &Plan::Box, &Progress::default()).expect("not cancelled");
 

@@ -18,8 +18,9 @@ use self::cost::Calibration;
 use self::work::{Bundle, Level, Work};
 use super::{Renderer, Settings};
 use crate::error::{Error, Result};
+use crate::lattice::RayFrame;
 use crate::mode::Mode;
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 use crate::scene::Scene;
 use crate::skip::{Cuts, HalfCut, METHODS, Skip};
 use crate::transfer::Table;
@@ -146,6 +147,7 @@ pub(super) struct Chooser {
 struct Active {
     table: Arc<Table>,
     mode: Mode,
+    classification: Classification,
     levels: Vec<Level>,
 }
 
@@ -291,22 +293,31 @@ impl Renderer {
             .ok_or_else(|| Error::setting("volume", "none was set"))?;
         let volume = Arc::clone(volume);
         let table = self.table(settings, &volume)?;
-        let frame = settings
-            .camera
-            .ray_frame(&volume, settings.size, settings.step_voxels)?;
+        let pairs = self
+            .classes
+            .pairs(settings, &table, self.structures.range());
+        let shown = pairs.as_ref().map_or(&table, |p| p.content.nodes());
+        let frame = RayFrame {
+            reach: settings.classification.reach(),
+            ..settings
+                .camera
+                .ray_frame(&volume, settings.size, settings.step_voxels)?
+        };
         let scene = Scene {
             volume: &volume,
             table: &table,
             frame: &frame,
             sampler: self.sampler(settings),
+            classification: settings.classification,
             mode: settings.mode,
+            gradients: settings.gradients,
+            depth_cue: settings.depth_cue,
             ert: settings.ert,
         };
-        let is_current = self
-            .chooser
-            .active
-            .as_ref()
-            .is_some_and(|a| a.mode == settings.mode && a.table.shows_the_same_as(&table));
+        let is_current = self.chooser.active.as_ref().is_some_and(|a| {
+            (a.mode, a.classification) == (settings.mode, settings.classification)
+                && a.table.shows_the_same_as(shown)
+        });
         if !is_current {
             let leaves =
                 |block: usize| -> usize { volume.dims.iter().map(|n| n.div_ceil(block)).product() };
@@ -317,10 +328,7 @@ impl Renderer {
                 block: smallest.unwrap_or(BLOCKS[BLOCKS.len() - 1]),
                 ..*settings
             };
-            let mut occupancy = self
-                .structures
-                .occupancy(&smallest, &scene, &table)?
-                .clone();
+            let mut occupancy = self.structures.occupancy(&smallest, &scene, shown)?.clone();
             let mut levels = Vec::new();
             while occupancy.block < BLOCKS[BLOCKS.len() - 1] {
                 let coarser = occupancy.coarser();
@@ -328,8 +336,9 @@ impl Renderer {
             }
             levels.push(Level::new(occupancy));
             self.chooser.active = Some(Active {
-                table: Arc::clone(&table),
+                table: Arc::clone(shown),
                 mode: settings.mode,
+                classification: settings.classification,
                 levels,
             });
         }

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::shader::compose;
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 
 /// What a compiled marcher is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -14,9 +14,37 @@ pub(super) struct March {
     /// The file in `shaders/skip/`.
     pub(super) skip: &'static str,
     pub(super) sampler: Sampler,
+    pub(super) classification: Classification,
     /// The file in `shaders/mode/`.
     pub(super) mode: &'static str,
+    /// Whether blocks are held against what the ray has seen.
+    pub(super) is_bounded: bool,
     pub(super) count: Count,
+    pub(super) gradient: Gradient,
+    /// Whether colours fade with depth.
+    pub(super) is_cued: bool,
+}
+
+/// Where a marcher takes gradients from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum Gradient {
+    /// The field, on the fly.
+    Fly,
+    /// The volume of them, by computed interpolation.
+    Exact,
+    /// The volume of them, by the adapter's filter.
+    Filter,
+}
+
+impl Gradient {
+    /// The file in `shaders/gradient/`.
+    fn shader(self) -> &'static str {
+        match self {
+            Self::Fly => "fly",
+            Self::Exact => "exact",
+            Self::Filter => "filter",
+        }
+    }
 }
 
 /// What a march notes besides its picture.
@@ -44,7 +72,7 @@ impl Count {
 /// Bind group layouts and the pipelines compiled so far.
 #[derive(Debug)]
 pub(super) struct MarchPass {
-    /// View, settings, tiles, target, progress, volume, filter, table, mode.
+    /// View, settings, tiles, target, progress, volume, filter, table, mode, gradients, colours of voxels.
     pub(super) scene_layout: wgpu::BindGroupLayout,
     /// Bounds, what a pass notes (work counters, or what the next one reads), runs, blocks or what the last pass noted.
     pub(super) skip_layout: wgpu::BindGroupLayout,
@@ -117,6 +145,20 @@ impl MarchPass {
                     ),
                     entry(7, storage(true)),
                     entry(8, uniform(false)),
+                    entry(
+                        9,
+                        texture(
+                            wgpu::TextureSampleType::Float { filterable },
+                            wgpu::TextureViewDimension::D3,
+                        ),
+                    ),
+                    entry(
+                        10,
+                        texture(
+                            wgpu::TextureSampleType::Float { filterable },
+                            wgpu::TextureViewDimension::D3,
+                        ),
+                    ),
                 ],
             });
         let skip_layout = gpu
@@ -160,9 +202,13 @@ impl MarchPass {
         if !self.pipelines.contains_key(&march) {
             let choices = [
                 ("SKIP", march.skip),
-                ("SAMPLER", march.sampler.name()),
+                ("SAMPLER", march.sampler.shader()),
+                ("CLASSIFICATION", march.classification.shader()),
                 ("MODE", march.mode),
+                ("BOUND", if march.is_bounded { "highest" } else { "none" }),
                 ("COUNT", march.count.shader()),
+                ("GRADIENT", march.gradient.shader()),
+                ("CUE", if march.is_cued { "on" } else { "off" }),
             ];
             let pipeline = self.compile(gpu, "march", &choices)?;
             self.pipelines.insert(march, pipeline);
@@ -177,7 +223,7 @@ impl MarchPass {
     pub(super) fn segments(&mut self, gpu: &Gpu) -> Result<&wgpu::ComputePipeline> {
         let pipeline = match self.segments.take() {
             Some(pipeline) => pipeline,
-            None => self.compile(gpu, "segments", &[])?,
+            None => self.compile(gpu, "segments", &[("BOUND", "none")])?,
         };
         Ok(self.segments.insert(pipeline))
     }

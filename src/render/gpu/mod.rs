@@ -1,10 +1,14 @@
 //! The GPU backend: resident volume, passes and targets.
 
 mod before;
+mod classes;
 mod dispatch;
 mod faces;
+mod gradients;
 mod march;
+mod piece;
 mod present;
+mod slices;
 mod tiles;
 mod uniforms;
 
@@ -14,22 +18,24 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use self::before::{largest_piece, list_segments, ray_words};
-use self::dispatch::dispatches;
+use self::before::{largest_piece, ray_words};
+use self::classes::ClassBuffers;
+pub(super) use self::classes::JobClasses;
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
-use self::march::{Count, March, MarchPass, SETTINGS_STRIDE, uniform};
+use self::gradients::GradientVolume;
+use self::march::{Count, MarchPass, uniform};
 use self::present::PresentPass;
 pub use self::present::Targets;
-use self::tiles::{TileMask, tile_runs};
-use self::uniforms::{mode_of, settings_of, view_of, viewer_of};
+use self::slices::SlicesPass;
 use crate::camera::Camera;
-use crate::error::{Error, Result};
-use crate::gpu::abi::MarchSettings;
+use crate::error::Result;
 use crate::gpu::buffer::{GrowBuffer, KeptBuffer, read_back};
 use crate::gpu::texture::VolumeTexture;
-use crate::gpu::timer::{Place, SpanTimer};
+use crate::gpu::timer::SpanTimer;
 use crate::gpu::{AdapterKind, Gpu};
 use crate::octree::Hull;
+use crate::render::block_words::BlockWords;
+use crate::render::slices::Slices;
 use crate::render::{FrameTimes, ms_since};
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Counters, Picture, Progress, Scene};
@@ -54,21 +60,31 @@ pub(super) struct Part<'a> {
 /// One picture to draw.
 pub(super) struct Job<'a> {
     pub(super) scene: Scene<'a>,
+    pub(super) classes: JobClasses<'a>,
     pub(super) skip: Skip,
     pub(super) camera: &'a Camera,
     /// Near part first; empty: the bounding box, or what the masks tell.
     pub(super) parts: Vec<Part<'a>>,
     /// Tells each tile its segments.
     pub(super) masks: Option<&'a BeamMasks>,
-    /// What the method's own shader reads of every block, and its name.
-    pub(super) blocks: Option<(u64, &'a [u32])>,
+    /// What the method's own shader reads of every block.
+    pub(super) blocks: Option<&'a BlockWords>,
     /// Leaf block edge in voxels.
     pub(super) block: usize,
+    /// How far two stored numbers of the volume can lie apart.
+    pub(super) stored_span: f64,
     /// Boxes (local coordinates) outside which nothing is visible.
     pub(super) active: &'a [[DVec3; 2]],
+    /// What is drawn in place of rays, where anything is.
+    pub(super) slices: Option<Slices>,
 }
 
 impl Job<'_> {
+    /// What the method's own shader reads of every block, after its name.
+    fn block_words(&self) -> Option<(u64, &[u32])> {
+        self.blocks.map(|words| (words.id, &words.content[..]))
+    }
+
     /// Leaf blocks along x, y, z.
     fn block_dims(&self) -> [u32; 3] {
         let dims = self.scene.volume.dims;
@@ -84,6 +100,7 @@ pub(super) struct GpuBackend {
     march: MarchPass,
     march_filterable: bool,
     volume: Option<VolumeTexture>,
+    gradients: Option<GradientVolume>,
     bounds: Option<BoundsTexture>,
     kept_faces: HashMap<(u64, usize), Option<FaceBuffers>>,
     views: GrowBuffer,
@@ -96,10 +113,14 @@ pub(super) struct GpuBackend {
     target: GrowBuffer,
     progress: GrowBuffer,
     work: GrowBuffer,
-    table: GrowBuffer,
+    classes: ClassBuffers,
     mode: GrowBuffer,
     timer: SpanTimer,
     present: Option<PresentPass>,
+    slices: Option<SlicesPass>,
+    corners: GrowBuffer,
+    /// What slices are blended into.
+    picture: Option<wgpu::Texture>,
     progress_of_job: Arc<Progress>,
 }
 
@@ -140,6 +161,7 @@ impl GpuBackend {
             march: MarchPass::new(&gpu, true),
             march_filterable: true,
             volume: None,
+            gradients: None,
             bounds: None,
             kept_faces: HashMap::new(),
             views: GrowBuffer::new("view", Usage::UNIFORM),
@@ -151,12 +173,15 @@ impl GpuBackend {
             target: GrowBuffer::new("target", storage),
             progress: GrowBuffer::new("progress", Usage::STORAGE),
             work: GrowBuffer::new("work", storage),
-            table: GrowBuffer::new("table", Usage::STORAGE),
+            classes: gpu.checked(|| ClassBuffers::new(&gpu))??,
             mode: GrowBuffer::new("mode", Usage::UNIFORM),
             timer: SpanTimer::new(&gpu, 2),
             view_layout,
             gpu,
             present: None,
+            slices: None,
+            corners: GrowBuffer::new("slices", Usage::VERTEX),
+            picture: None,
             progress_of_job: progress,
         })
     }
@@ -169,8 +194,10 @@ impl GpuBackend {
     pub(super) fn set_volume(&mut self, volume: &Volume) -> Result<()> {
         // The old texture goes first: both need not fit.
         self.volume = None;
+        self.gradients = None;
         self.kept_faces.clear();
         self.blocks.clear();
+        self.classes.forget_volume();
         let resident = VolumeTexture::upload(&self.gpu, volume)?;
         if resident.filterable != self.march_filterable {
             self.march = MarchPass::new(&self.gpu, resident.filterable);
@@ -196,7 +223,7 @@ impl GpuBackend {
         if let Some(structure) = job.parts.first().map(|p| p.key.0) {
             self.kept_faces.retain(|key, _| key.0 == structure);
         }
-        let mut is_new = false;
+        let mut is_new = self.classes.prepare(&self.gpu, job)?;
         for part in &job.parts {
             if !self.kept_faces.contains_key(&part.key) {
                 let faces = self
@@ -206,8 +233,10 @@ impl GpuBackend {
                 is_new = true;
             }
         }
-        is_new |= job.blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
-        self.blocks.holding(&self.gpu, job.blocks);
+        let blocks = job.block_words();
+        is_new |= blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
+        self.blocks.holding(&self.gpu, blocks);
+        self.make_gradients(job)?;
         if is_new {
             // Else the copies would wait for the frame's submission, and count as part of it.
             self.gpu.queue.submit([]);
@@ -223,8 +252,15 @@ impl GpuBackend {
         let largest = largest_piece(job, &self.gpu.device.limits());
         let [width, height] = job.scene.frame.size.map(|n| u64::from(n.min(largest)));
         faces.map(FaceBuffers::bytes).sum::<u64>()
-            + job.blocks.map_or(0, |(_, words)| size_of_val(words) as u64)
+            + job
+                .block_words()
+                .map_or(0, |(_, words)| size_of_val(words) as u64)
+            + self.classes.bytes(job)
             + width * height * 4 * u64::from(ray_words(job))
+            + job
+                .gradient_edge()
+                .and(self.gradients.as_ref())
+                .map_or(0, |g| g.bytes)
     }
 
     /// Draws a picture and leaves it on the device: what is timed.
@@ -257,6 +293,9 @@ impl GpuBackend {
 
     /// Draws a picture with counters: the same bits.
     pub(super) fn count(&mut self, job: &Job) -> Result<CountedPicture> {
+        if job.slices.is_some() {
+            return self.count_slices(job);
+        }
         let size = job.scene.frame.size;
         let pixels = size[0] as usize * size[1] as usize;
         let mut rgba = vec![[0.0; 4]; pixels];
@@ -353,14 +392,16 @@ impl GpuBackend {
                 self.gpu.wait()?;
                 times.frame_ms += ms_since(start);
                 match self.timer.read_ms(&self.gpu)? {
+                    Some(ms) if job.slices.is_some() => times.raster_ms += ms[RASTER as usize],
                     Some(ms) => {
-                        times.raster_ms += if job.parts.is_empty() && job.skip != Skip::SegmentList
-                        {
+                        let raster_ms = if job.parts.is_empty() && job.skip != Skip::SegmentList {
                             0.0
                         } else {
                             ms[RASTER as usize]
                         };
+                        times.raster_ms += raster_ms;
                         times.cast_ms += ms[CAST as usize];
+                        *times.gpu_ms.get_or_insert(0.0) += raster_ms + ms[CAST as usize];
                     }
                     None => times.cast_ms = times.frame_ms,
                 }
@@ -369,223 +410,6 @@ impl GpuBackend {
         }
         Ok(())
     }
-
-    fn draw_piece(&mut self, job: &Job, piece: &Piece, count: Count) -> Result<()> {
-        let Some(volume) = &self.volume else {
-            return Err(Error::Gpu("no volume was set".to_owned()));
-        };
-        if job.scene.sampler == Sampler::Hardware && !volume.filterable {
-            return Err(Error::setting(
-                "sampler",
-                format!(
-                    "{} does not filter this volume's format; use exact",
-                    self.gpu.info.name
-                ),
-            ));
-        }
-        let gpu = &self.gpu;
-        let frame = job.scene.frame;
-
-        // The tiles that can show anything.
-        let clip_from_local = job.camera.clip_from_local(frame.size);
-        let (tile_list, run_list) = if let Some(masks) = job.masks {
-            tile_runs(masks, frame, piece.origin, piece.size)
-        } else {
-            let mut mask = TileMask::new(piece.size);
-            for &[low, high] in job.active {
-                mask.mark(&clip_from_local, frame.size, piece.origin, [low, high]);
-            }
-            (mask.list(), Vec::new())
-        };
-
-        // Uniforms.
-        let view = view_of(job, piece, &clip_from_local);
-        let dispatches = dispatches(job, tile_list.len() as u32, gpu.is_software());
-        let settings: Vec<u8> = dispatches
-            .iter()
-            .flat_map(|d| {
-                let settings = settings_of(job, volume, d);
-                let mut bytes = bytemuck::bytes_of(&settings).to_vec();
-                bytes.resize(SETTINGS_STRIDE as usize, 0);
-                bytes
-            })
-            .collect();
-        let pixels = u64::from(piece.size[0]) * u64::from(piece.size[1]);
-        let views = self.views.write(gpu, &[view]);
-        let settings_buffer = self.settings.write(gpu, &settings);
-        let tiles = self.tiles.write(gpu, &tile_list);
-        let runs = self.runs.write(gpu, &run_list);
-        let target = self.target.reserve(gpu, pixels * 16);
-        let resumes = dispatches.iter().any(|d| d.resume || d.store_progress);
-        let progress = self
-            .progress
-            .reserve(gpu, if resumes { pixels * 4 } else { 0 });
-        let counted = if count == Count::On { pixels * 16 } else { 0 };
-        let work = self.work.reserve(gpu, counted);
-        let blocks = self.blocks.holding(gpu, job.blocks);
-        let ray_bytes = pixels * 4 * u64::from(ray_words(job));
-        let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
-        let table = self.table.write(gpu, job.scene.table.rgba());
-        let mode = self.mode.write(gpu, &[mode_of(job)]);
-
-        let segments = job.parts.len();
-        if self
-            .bounds
-            .as_ref()
-            .is_none_or(|b| !b.serves(piece.size, segments))
-        {
-            self.bounds = Some(gpu.checked(|| BoundsTexture::new(gpu, piece.size, segments))?);
-        }
-        let bounds = self.bounds.as_ref().expect("made just above");
-
-        // What the oracle marches is found by box.
-        let is_first = count == Count::Contributing;
-        let march = March {
-            skip: if is_first { Skip::Box } else { job.skip }.method().shader,
-            sampler: job.scene.sampler,
-            mode: job.scene.mode.row().shader,
-            count,
-        };
-        let mut encoder = gpu
-            .device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                label: Some("frame"),
-            });
-        encoder.clear_buffer(target, 0, Some(pixels * 16));
-        if count == Count::On {
-            encoder.clear_buffer(work, 0, Some(counted));
-        }
-        if is_first {
-            encoder.clear_buffer(rays, 0, Some(ray_bytes));
-        }
-        if segments > 0 {
-            let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("view"),
-                layout: &self.view_layout,
-                entries: &[wgpu::BindGroupEntry {
-                    binding: 0,
-                    resource: views.as_entire_binding(),
-                }],
-            });
-            let parts: Vec<_> = job
-                .parts
-                .iter()
-                .map(|p| self.kept_faces[&p.key].as_ref())
-                .collect();
-            let viewer = viewer_of(job);
-            self.faces.draw(
-                &mut encoder,
-                bounds,
-                &group,
-                &parts,
-                &viewer,
-                (&self.timer, RASTER),
-            );
-            self.timer.resolve(&mut encoder, RASTER);
-        }
-        let filter = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("volume"),
-            mag_filter: if volume.filterable {
-                wgpu::FilterMode::Linear
-            } else {
-                wgpu::FilterMode::Nearest
-            },
-            min_filter: if volume.filterable {
-                wgpu::FilterMode::Linear
-            } else {
-                wgpu::FilterMode::Nearest
-            },
-            ..Default::default()
-        });
-        let scene_group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("march scene"),
-            layout: &self.march.scene_layout,
-            entries: &[
-                bind(0, views.as_entire_binding()),
-                bind(
-                    1,
-                    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                        buffer: settings_buffer,
-                        offset: 0,
-                        size: wgpu::BufferSize::new(size_of::<MarchSettings>() as u64),
-                    }),
-                ),
-                bind(2, tiles.as_entire_binding()),
-                bind(3, target.as_entire_binding()),
-                bind(4, progress.as_entire_binding()),
-                bind(5, wgpu::BindingResource::TextureView(&volume.view)),
-                bind(6, wgpu::BindingResource::Sampler(&filter)),
-                bind(7, table.as_entire_binding()),
-                bind(8, mode.as_entire_binding()),
-            ],
-        });
-        let skip_group = |notes: &wgpu::Buffer, reads: &wgpu::Buffer| {
-            gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("march skip"),
-                layout: &self.march.skip_layout,
-                entries: &[
-                    bind(0, wgpu::BindingResource::TextureView(&bounds.all)),
-                    bind(1, notes.as_entire_binding()),
-                    bind(2, runs.as_entire_binding()),
-                    bind(3, reads.as_entire_binding()),
-                ],
-            })
-        };
-        let before_march = skip_group(rays, blocks);
-        let march_group = match job.skip {
-            _ if is_first => before_march.clone(),
-            Skip::Oracle | Skip::SegmentList => skip_group(work, rays),
-            _ => skip_group(work, blocks),
-        };
-        let last = dispatches.len() - 1;
-        if job.skip == Skip::SegmentList {
-            let pipeline = self.march.segments(gpu)?;
-            let groups = [&scene_group, &before_march];
-            list_segments(&mut encoder, pipeline, groups, &dispatches, &self.timer);
-            self.timer.resolve(&mut encoder, RASTER);
-        }
-        let pipeline = self.march.pipeline(gpu, march)?;
-        for (i, dispatch) in dispatches.iter().enumerate() {
-            let place = Place {
-                span: CAST,
-                first: i == 0,
-                last: i == last,
-            };
-            {
-                let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                    label: Some("march"),
-                    timestamp_writes: self.timer.compute(place),
-                });
-                if dispatch.tile_count > 0 {
-                    pass.set_pipeline(pipeline);
-                    pass.set_bind_group(0, &scene_group, &[(i as u64 * SETTINGS_STRIDE) as u32]);
-                    pass.set_bind_group(1, &march_group, &[]);
-                    dispatch.launch(&mut pass);
-                }
-            }
-            if i == last {
-                self.timer.resolve(&mut encoder, CAST);
-            } else if dispatch.submit {
-                // Each on its own, so that a watchdog sees short work and a cancelled frame ends soon.
-                gpu.queue.submit([encoder.finish()]);
-                gpu.wait()?;
-                if self.progress_of_job.is_cancelled() {
-                    return Err(Error::Cancelled);
-                }
-                encoder = gpu
-                    .device
-                    .create_command_encoder(&wgpu::CommandEncoderDescriptor {
-                        label: Some("frame, continued"),
-                    });
-            }
-        }
-        gpu.queue.submit([encoder.finish()]);
-        Ok(())
-    }
-}
-
-fn bind(binding: u32, resource: wgpu::BindingResource<'_>) -> wgpu::BindGroupEntry<'_> {
-    wgpu::BindGroupEntry { binding, resource }
 }
 
 /// Puts a piece where it belongs in the picture.

@@ -5,12 +5,13 @@ use glam::DVec3;
 use super::before::ray_words;
 use super::dispatch::{Dispatch, MAX_ITERATIONS, TILES_PER_ROW};
 use super::faces::Viewer;
+use super::gradients::GradientVolume;
 use super::{Job, Piece};
 use crate::camera::Projection;
 use crate::gpu::abi::{MarchSettings, ModeSettings, View};
 use crate::gpu::texture::VolumeTexture;
 use crate::lattice::MAX_CLIP_PLANES;
-use crate::mode::{Light, Parameters, surface};
+use crate::mode::{DepthCue, Light, Parameters, surface};
 
 pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch) -> MarchSettings {
     let domain = job.scene.table.domain();
@@ -45,11 +46,23 @@ pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch
         takes_runs: u32::from(job.masks.is_some()),
         block_dims: job.block_dims(),
         ray_words: ray_words(job),
+        majorants: job.blocks.and_then(|words| words.majorants).unwrap_or(0),
+        pad1: 0,
+        pad2: 0,
+        pad3: 0,
     }
 }
 
-pub(super) fn mode_of(job: &Job) -> ModeSettings {
+/// Without a volume of gradients nothing reads what is said of one.
+pub(super) fn mode_of(
+    job: &Job,
+    volume: &VolumeTexture,
+    gradients: Option<&GradientVolume>,
+) -> ModeSettings {
     let scene = &job.scene;
+    let cue = DepthCue::new(scene.depth_cue, scene.frame);
+    let x_per_raw = scene.table.domain().scale * volume.stored_per_raw;
+    let edge = scene.gradients.cell_edge().unwrap_or(1);
     let p = Parameters::new(&scene.mode, scene.table.domain(), scene.frame.step);
     let lighting = p.lighting;
     let light = match lighting.light {
@@ -73,7 +86,11 @@ pub(super) fn mode_of(job: &Job) -> ModeSettings {
         iso: p.iso as f32,
         outer_iso: p.outer_iso as f32,
         least_gradient: p.least_gradient as f32,
-        pad1: 0.0,
+        gradient_scale: gradients.map_or(0.0, |g| (x_per_raw / g.scale) as f32),
+        cells_per_voxel: 1.0 / edge as f32,
+        cue_strength: cue.strength as f32,
+        cue_start: cue.start as f32,
+        cue_scale: cue.scale as f32,
     }
 }
 
@@ -108,7 +125,7 @@ pub(super) fn view_of(job: &Job, piece: &Piece, clip_from_local: &glam::DMat4) -
         dir_dx: v(frame.dir_dx),
         start_depth: (frame.start - job.camera.eye).dot(job.camera.forward()) as f32,
         dir_dy: v(frame.dir_dy),
-        pad1: 0.0,
+        reach: frame.reach as f32,
         extent: v(frame.extent),
         pad2: 0.0,
         grid_from_local: v(frame.grid_from_local),

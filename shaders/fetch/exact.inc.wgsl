@@ -1,0 +1,25 @@
+// Eight loads and f32 interpolation, x first. Twin of sample::trilinear.
+
+@group(0) @binding(5) var volume: texture_3d<f32>;
+@group(0) @binding(6) var volume_filter: sampler;
+
+fn texel(x: i32, y: i32, z: i32) -> f32 {
+    return textureLoad(volume, vec3i(x, y, z), 0).x;
+}
+
+// The raw texel at the fraction `f`, per axis, from voxel `lower` to the next.
+fn fetch(lower: vec3f, f: vec3f) -> f32 {
+    let last = settings.dims - 1.0;
+    let a = vec3i(clamp(lower, vec3f(0.0), last));
+    let b = vec3i(clamp(lower + 1.0, vec3f(0.0), last));
+    let x00 = vec2f(texel(a.x, a.y, a.z), texel(b.x, a.y, a.z));
+    let x10 = vec2f(texel(a.x, b.y, a.z), texel(b.x, b.y, a.z));
+    let x01 = vec2f(texel(a.x, a.y, b.z), texel(b.x, a.y, b.z));
+    let x11 = vec2f(texel(a.x, b.y, b.z), texel(b.x, b.y, b.z));
+    let low = vec4f(x00.x, x10.x, x01.x, x11.x);
+    let high = vec4f(x00.y, x10.y, x01.y, x11.y);
+    // a + f * (b - a) keeps uniform data uniform, to the last bit.
+    let along_x = low + f.x * (high - low);
+    let along_y = along_x.xz + f.y * (along_x.yw - along_x.xz);
+    return along_y.x + f.z * (along_y.y - along_y.x);
+}

@@ -1,0 +1,206 @@
+//! What is active under one table and mode, and what each method makes of it.
+
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::DVec3;
+
+use super::near::near_first;
+use crate::cpu::CpuPlan;
+use crate::mode::Activity;
+use crate::octree::{Accelerator, Hull, Occupancy};
+use crate::render::block_words::BlockWords;
+use crate::render::{Preparation, Settings, ms_since};
+use crate::sample::Classification;
+use crate::scene::Scene;
+use crate::skip::beam_masks::BeamMasks;
+use crate::skip::k_cuts::{BestCuts, Planes};
+use crate::skip::{self, HalfCut, Skip};
+use crate::transfer::Table;
+
+/// Edge in voxels, about, of the boxes that tell which tiles can show anything.
+const TILE_BOX: usize = 16;
+
+/// What is active under one table and mode.
+pub(super) struct Culled {
+    pub(super) id: u64,
+    pub(super) activity: Activity,
+    /// Whether values between voxels do not count.
+    pub(super) is_by_voxel: bool,
+    pub(super) table: Arc<Table>,
+    pub(super) occupancy: Occupancy,
+    /// By the blocks that they are of, as they were asked for first: a hull's place is its name.
+    pub(super) hulls: Vec<([Range<usize>; 3], Hull)>,
+    pub(super) best_cuts: [Option<BestCuts>; 3],
+    /// Boxes around the active blocks, local coordinates.
+    pub(super) boxes: Vec<[DVec3; 2]>,
+    pub(super) cull_ms: f64,
+    /// What the SIMD backend keeps, by method.
+    pub(super) cpu_plans: Vec<CpuPlan>,
+    pub(super) masks: Option<BeamMasks>,
+    /// What shaders of their own read of every block, by method.
+    pub(super) words: Vec<BlockWords>,
+}
+
+impl Culled {
+    pub(super) fn new(
+        id: u64,
+        settings: &Settings,
+        scene: &Scene,
+        table: &Arc<Table>,
+        accelerator: &Accelerator,
+    ) -> Self {
+        let start = Instant::now();
+        let is_halved = settings.skip == Skip::HalfSplit && settings.cuts.half == HalfCut::Middle;
+        let halves = is_halved.then(|| skip::half_axis(settings.camera.forward()));
+        let is_by_voxel = settings.classification == Classification::Pre;
+        let occupancy = match halves {
+            _ if is_by_voxel => {
+                let apron = scene.sampler.apron();
+                Occupancy::of_visible_voxels(scene.volume, table, settings.block, apron)
+            }
+            Some(axis) => accelerator.cull_halves(axis, table, settings.mode),
+            None => accelerator.cull(table, settings.mode),
+        };
+        let boxes = boxes(&occupancy, scene);
+        Self {
+            id,
+            activity: settings.mode.activity(table.domain()),
+            is_by_voxel,
+            table: Arc::clone(table),
+            occupancy,
+            hulls: Vec::new(),
+            best_cuts: Default::default(),
+            boxes,
+            cull_ms: ms_since(start),
+            cpu_plans: Vec::new(),
+            masks: None,
+            words: Vec::new(),
+        }
+    }
+
+    /// What the settings' method reads of every block, if that was made.
+    pub(super) fn words_of(&self, settings: &Settings) -> Option<&BlockWords> {
+        self.words.iter().find(|w| w.are_of(settings))
+    }
+
+    /// The axis that the settings' method cuts across, and where it does.
+    pub(super) fn planes(
+        &mut self,
+        settings: &Settings,
+        scene: &Scene,
+        cut_samples: f64,
+    ) -> (usize, Planes) {
+        let axis = skip::half_axis(settings.camera.forward());
+        let middle = self.occupancy.half_cut(axis);
+        let block_size = scene.volume.voxel_size()[axis] * self.occupancy.block as f64;
+        let cut_cost = cut_samples * scene.frame.step / block_size;
+        let planes = settings
+            .cuts
+            .planes(settings.skip, middle, || self.best_cuts(axis), cut_cost);
+        (axis, planes)
+    }
+
+    fn best_cuts(&mut self, axis: usize) -> &BestCuts {
+        self.best_cuts[axis].get_or_insert_with(|| {
+            let start = Instant::now();
+            let best = BestCuts::new(&self.occupancy, axis);
+            self.cull_ms += ms_since(start);
+            best
+        })
+    }
+
+    /// The blocks of each part that the settings' method rasterises, near part first.
+    pub(super) fn regions(
+        &mut self,
+        settings: &Settings,
+        scene: &Scene,
+        cut_samples: f64,
+    ) -> Vec<[Range<usize>; 3]> {
+        if !matches!(settings.skip, Skip::Hull | Skip::HalfSplit | Skip::KCuts) {
+            // The others take no rasterised parts; the backend refuses what it does not have.
+            return Vec::new();
+        }
+        let (axis, planes) = self.planes(settings, scene, cut_samples);
+        let block_size = scene.volume.voxel_size()[axis] * self.occupancy.block as f64;
+        let local: Vec<f64> = planes
+            .as_slice()
+            .iter()
+            .map(|&p| p as f64 * block_size)
+            .collect();
+        let slabs: Vec<_> = planes.slabs(self.occupancy.dims[axis]).collect();
+        near_first(&settings.camera, axis, &local)
+            .map(|slab| {
+                let mut region = self.occupancy.whole();
+                region[axis] = slabs[slab].clone();
+                region
+            })
+            .collect()
+    }
+
+    /// Builds the hull of a region, unless it stands, and tells its place.
+    pub(super) fn make_hull(&mut self, region: &[Range<usize>; 3]) -> usize {
+        if let Some(place) = self.hulls.iter().position(|(r, _)| r == region) {
+            return place;
+        }
+        let start = Instant::now();
+        let hull = Hull::build(&self.occupancy, region.clone());
+        self.hulls.push((region.clone(), hull));
+        self.cull_ms += ms_since(start);
+        self.hulls.len() - 1
+    }
+
+    /// What stands for the settings' method, which rasterises the hulls at these places.
+    pub(super) fn preparation(
+        &self,
+        settings: &Settings,
+        hulls: &[usize],
+        accelerator: &Accelerator,
+        build_ms: f64,
+    ) -> Preparation {
+        let words = self.words_of(settings);
+        let masks = self
+            .masks
+            .as_ref()
+            .filter(|_| settings.skip == Skip::BeamMasks);
+        let hulls = hulls
+            .iter()
+            .map(|&i| size_of_val(&self.hulls[i].1.faces[..]));
+        let bytes = accelerator.structure_bytes()
+            + size_of_val(self.occupancy.words())
+            + hulls.sum::<usize>()
+            + words.map_or(0, |w| w.content.len() * 4)
+            + masks.map_or(0, BeamMasks::bytes);
+        Preparation {
+            preprocess_ms: build_ms,
+            cull_ms: self.cull_ms + words.map_or(0.0, |w| w.ms),
+            structure_bytes: bytes as u64,
+        }
+    }
+}
+
+/// Boxes around the active blocks, some blocks to each.
+fn boxes(occupancy: &Occupancy, scene: &Scene) -> Vec<[DVec3; 2]> {
+    let group = (TILE_BOX / occupancy.block).max(1);
+    let block_size = scene.volume.voxel_size() * occupancy.block as f64;
+    let mut boxes = Vec::new();
+    let groups = |axis: usize| (0..occupancy.dims[axis]).step_by(group);
+    for z in groups(2) {
+        for y in groups(1) {
+            for x in groups(0) {
+                let end = |from: usize, axis: usize| (from + group).min(occupancy.dims[axis]);
+                let is_active = (z..end(z, 2)).any(|z| {
+                    (y..end(y, 1)).any(|y| (x..end(x, 0)).any(|x| occupancy.get([x, y, z])))
+                });
+                if is_active {
+                    let low = DVec3::new(x as f64, y as f64, z as f64) * block_size;
+                    let high = DVec3::new(end(x, 0) as f64, end(y, 1) as f64, end(z, 2) as f64)
+                        * block_size;
+                    boxes.push([low, high.min(scene.frame.extent)]);
+                }
+            }
+        }
+    }
+    boxes
+}

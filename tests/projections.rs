@@ -1,0 +1,276 @@
+//! Modes that look at values alone, where a closed form is known. These tests fail, not skip, where there is no adapter.
+
+mod support;
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use hollowcast::camera::{Camera, Projection};
+use hollowcast::mode::{Lighting, Mode, Outer, Window};
+use hollowcast::render::{BackendChoice, Renderer, Settings};
+use hollowcast::sample::Sampler;
+use hollowcast::skip::{METHODS, Skip};
+use hollowcast::volume::{Voxels, phantom};
+use support::{has, renderer, settings, show, stack};
+
+#[test]
+fn projections_of_a_stack_have_a_closed_form() {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let mut cpu = Renderer::new(BackendChoice::Cpu).unwrap();
+    let volume = stack(&[40, 140, 240, 90]);
+    show([&mut *renderer, &mut cpu, &mut reference], &volume);
+    let middle = volume.extent() * 0.5;
+    let camera = Camera {
+        eye: middle - DVec3::Z * 100.0,
+        target: middle,
+        up: DVec3::Y,
+        projection: Projection::Orthographic { height: 12.0 },
+    };
+    let window = Window {
+        low: 40.0,
+        high: 290.0,
+    };
+    let v = |value: f64| (value - 40.0) / 250.0;
+    // Where nothing is above the window, nothing contributes.
+    let over = Window {
+        low: 240.0,
+        high: 290.0,
+    };
+    // Between the layers the field is linear and sampled symmetrically: the mean is that of the layers.
+    let mean = (v(40.0) + v(140.0) + v(240.0) + v(90.0)) / 4.0;
+    // The first layers over the surface; the inner one lies behind.
+    let two = Mode::TwoSurfaces {
+        outer: Outer {
+            iso: 100.0,
+            color: [1.0, 0.0, 0.0],
+            opacity: 0.25,
+        },
+        iso: 200.0,
+        color: [0.0, 1.0, 1.0],
+        lighting: Lighting {
+            ambient: 0.25,
+            diffuse: 0.5,
+            specular: 0.0,
+            ..Lighting::default()
+        },
+    };
+    let lit = 0.75 * 0.75;
+    let expected = [
+        (Mode::Mip(window), [v(240.0); 4]),
+        (Mode::Minip(window), [0.0, 0.0, 0.0, 1.0 - v(40.0)]),
+        (Mode::Mean(window), [mean; 4]),
+        (Mode::Mip(over), [0.0; 4]),
+        (Mode::Mean(over), [0.0; 4]),
+        (Mode::Grey(over), [0.0; 4]),
+        (two, [0.25, lit, lit, 1.0]),
+        (Mode::Normals { iso: 100.0 }, [0.5, 0.5, 0.0, 1.0]),
+    ];
+    for renderer in [&mut *renderer, &mut cpu, &mut reference] {
+        for method in METHODS.iter().filter(|m| m.lossless) {
+            for (mode, expected) in &expected {
+                if !renderer.has(method.skip) || !has(renderer, mode) {
+                    continue;
+                }
+                let picture = renderer.render(&Settings {
+                    skip: method.skip,
+                    step_voxels: 0.5,
+                    size: [8, 8],
+                    ..settings(*mode, camera)
+                });
+                let pixel = picture.unwrap().picture.rgba[27].map(f64::from);
+                let is_near = pixel
+                    .iter()
+                    .zip(expected)
+                    .all(|(a, b)| (a - b).abs() < 1e-4);
+                assert!(
+                    is_near,
+                    "{} {} {mode:?}: {pixel:?}, not {expected:?}",
+                    renderer.info().backend,
+                    method.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn grey_of_homogeneous_matter_has_the_opacity_of_its_chord_at_any_step() {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let volume = stack(&[30]);
+    show([&mut *renderer, &mut reference], &volume);
+    let middle = volume.extent() * 0.5;
+    let camera = Camera {
+        eye: middle - DVec3::Z * 100.0,
+        target: middle,
+        up: DVec3::Y,
+        projection: Projection::Orthographic { height: 12.0 },
+    };
+    let window = Window {
+        low: 20.0,
+        high: 120.0,
+    };
+    // A tenth of the window: that opacity per voxel, over eight voxels; and that grey.
+    let opacity = 1.0 - 0.9_f64.powi(8);
+    let grey = 0.1 * opacity;
+    for renderer in [&mut *renderer, &mut reference] {
+        for step_voxels in [0.25, 0.5, 1.0, 2.0] {
+            let picture = renderer.render(&Settings {
+                step_voxels,
+                size: [8, 8],
+                ..settings(Mode::Grey(window), camera)
+            });
+            for pixel in picture.unwrap().picture.rgba {
+                for (channel, expected) in pixel.into_iter().zip([grey, grey, grey, opacity]) {
+                    assert!((f64::from(channel) - expected).abs() < 1e-4, "{pixel:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_picture_in_many_dispatches_is_finished_once() {
+    // So many samples that the march stops, stores its state and goes on; rays that are done must be left alone.
+    let mut renderer = renderer();
+    let volume = Arc::new(phantom::make("full", [24; 3]).unwrap());
+    show([&mut *renderer], &volume);
+    let middle = volume.extent() * 0.5;
+    let camera = Camera {
+        eye: middle - DVec3::X * 100.0,
+        target: middle,
+        up: DVec3::Z,
+        projection: Projection::Orthographic { height: 16.0 },
+    };
+    let window = Window {
+        low: 0.0,
+        high: 400.0,
+    };
+    let two = Mode::TwoSurfaces {
+        outer: Outer {
+            iso: 100.0,
+            color: [1.0, 0.0, 0.0],
+            opacity: 0.25,
+        },
+        iso: 150.0,
+        color: [0.0, 1.0, 0.0],
+        lighting: Lighting {
+            ambient: 0.25,
+            diffuse: 0.25,
+            specular: 0.0,
+            ..Lighting::default()
+        },
+    };
+    for (mode, expected) in [
+        (Mode::Mean(window), [0.5; 4]),
+        (two, [0.25, 0.375, 0.0, 1.0]),
+    ] {
+        for skip in [Skip::Box, Skip::BeamMasks] {
+            let picture = renderer.render(&Settings {
+                skip,
+                step_voxels: 24.0 / 60_000.0,
+                size: [8, 8],
+                ..settings(mode, camera)
+            });
+            for pixel in picture.unwrap().picture.rgba {
+                let is_near = pixel
+                    .iter()
+                    .zip(expected)
+                    .all(|(a, b)| (a - b).abs() < 1e-6);
+                assert!(is_near, "{mode:?} {skip:?}: {pixel:?}, not {expected:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_nearest_sampler_shows_voxels_as_they_are() {
+    let mut renderer = renderer();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    let volume = Arc::new(phantom::make("noise", [8; 3]).unwrap());
+    let Voxels::U8(voxels) = &volume.voxels else {
+        panic!("phantoms are bytes")
+    };
+    show([&mut *renderer, &mut reference], &volume);
+    let middle = volume.extent() * 0.5;
+    // A pixel per voxel, seen along z; x runs to the left.
+    let camera = Camera {
+        eye: middle - DVec3::Z * 100.0,
+        target: middle,
+        up: DVec3::Y,
+        projection: Projection::Orthographic { height: 8.0 },
+    };
+    let window = Window {
+        low: 0.0,
+        high: 255.0,
+    };
+    for renderer in [&mut *renderer, &mut reference] {
+        for skip in [Skip::Box, Skip::HalfSplit] {
+            let picture = renderer.render(&Settings {
+                skip,
+                sampler: Some(Sampler::Nearest),
+                step_voxels: 0.4,
+                size: [8, 8],
+                ..settings(Mode::Mip(window), camera)
+            });
+            for (i, pixel) in picture.unwrap().picture.rgba.into_iter().enumerate() {
+                let [x, y] = [7 - i % 8, 7 - i / 8];
+                let highest = (0..8).map(|z| voxels[(z * 8 + y) * 8 + x]).max().unwrap();
+                assert!((pixel[0] - f32::from(highest) / 255.0).abs() < 1e-5, "{i}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ray_leaves_out_blocks_that_lie_no_higher_than_what_it_has_seen() {
+    let mut renderer = renderer();
+    // Behind the bright layer there is nothing to gain; before it there is.
+    let volume = stack(&[90, 240, 140, 140, 140]);
+    show([&mut *renderer], &volume);
+    let middle = volume.extent() * 0.5;
+    let camera = |eye: DVec3| Camera {
+        eye,
+        target: middle,
+        up: DVec3::Y,
+        projection: Projection::Orthographic { height: 12.0 },
+    };
+    let window = Window {
+        low: 40.0,
+        high: 290.0,
+    };
+    let low_to_high = Window {
+        low: 0.0,
+        high: 150.0,
+    };
+    let behind = middle - DVec3::Z * 100.0;
+    let before = middle + DVec3::Z * 100.0;
+    for skip in [Skip::DistanceMap, Skip::GridDda, Skip::OctreeEncoded] {
+        let mut samples = |mode, eye| {
+            let settings = Settings {
+                skip,
+                size: [8, 8],
+                step_voxels: 0.5,
+                ..settings(mode, camera(eye))
+            };
+            let by_box = renderer.count(&Settings {
+                skip: Skip::Box,
+                ..settings
+            });
+            let (by_box, counted) = (by_box.unwrap(), renderer.count(&settings).unwrap());
+            assert_eq!(counted.picture.difference(&by_box.picture).pixels, 0);
+            assert_eq!(counted.counters.contributing, by_box.counters.contributing);
+            [counted, by_box].map(|c| c.counters.samples as f64 / 64.0)
+        };
+        // Five layers of 8 voxels, two samples a voxel; blocks of 4 beside a layer know of it.
+        let [few, all] = samples(Mode::Mip(window), behind);
+        assert!(all > 79.0 && few < 45.0, "{skip:?}: {few} of {all}");
+        let [few, all] = samples(Mode::Mip(window), before);
+        // All is as high as what was seen or higher, but for one block of the last layer.
+        assert!(few > 70.0 && few < 75.0, "{skip:?}: {few} of {all}");
+        // The darkest layer comes first: nothing behind it is darker.
+        let [few, all] = samples(Mode::Minip(low_to_high), behind);
+        assert!(few < 0.4 * all, "{skip:?}: {few} of {all}");
+    }
+}
