@@ -17,6 +17,8 @@ pub mod sample;
 pub mod scene;
 pub mod skip;
 pub mod transfer;
+#[cfg(feature = "viewer")]
+pub mod viewer;
 pub mod volume;
 
 pub use error::{Error, Result};

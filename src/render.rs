@@ -34,6 +34,8 @@ use self::structures::Structures;
 
 pub use self::auto::{BLOCKS, Choice, DEFAULT_BLOCK, MethodChoice};
 pub use self::backend::{BackendChoice, BackendInfo};
+#[cfg(feature = "viewer")]
+pub(crate) use self::cache::file as cache_file;
 pub use self::gpu::Targets;
 pub use self::slices::SliceCount;
 

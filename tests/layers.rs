@@ -1,6 +1,6 @@
 //! Imports point one way: a file may use its own module and those of a lower rank, nothing else.
 //!
-//! The order is that of the design (cli, viewer -> measure -> render -> cpu, reference, skip, sample, mode -> gpu,
+//! The order is that of the design (cli -> viewer -> measure -> render -> cpu, reference, skip, sample, mode -> gpu,
 //! octree, transfer, camera -> volume -> error), with ranks of their own where modules of one group use one another.
 
 use std::fmt::Write as _;
@@ -24,7 +24,8 @@ const LAYERS: &[&[&str]] = &[
     &["render", "output"],
     &["measure"],
     &["report"],
-    &["cli", "viewer"],
+    &["viewer"],
+    &["cli"],
 ];
 
 /// Names that other modules leave at the crate's root.

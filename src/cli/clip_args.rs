@@ -2,7 +2,6 @@
 
 use std::str::FromStr;
 
-use glam::DVec3;
 use hollowcast::Result;
 use hollowcast::lattice::Clipping;
 use hollowcast::volume::Volume;
@@ -23,20 +22,9 @@ pub(super) struct ClipArgs {
 impl ClipArgs {
     /// The planes in the volume's local coordinates. A box of which they leave nothing is told of on stderr.
     pub(super) fn clipping(&self, volume: &Volume) -> Result<Clipping> {
-        let grid_from_local = 1.0 / volume.voxel_size();
-        let mut clipping = Clipping::NONE;
-        for (axis, range) in self.clip_box.iter().flat_map(|b| b.0).enumerate() {
-            let mut normal = DVec3::ZERO;
-            normal[axis] = 1.0;
-            for (at, side) in [(range[0], 1.0), (range[1], -1.0)] {
-                if let Some(at) = at {
-                    clipping.keep(side * normal * grid_from_local, side * at)?;
-                }
-            }
-        }
-        for ClipPlane([x, y, z, offset]) in &self.clip_plane {
-            clipping.keep(DVec3::new(*x, *y, *z) * grid_from_local, *offset)?;
-        }
+        let ranges = self.clip_box.map_or([[None; 2]; 3], |b| b.0);
+        let planes: Vec<[f64; 4]> = self.clip_plane.iter().map(|plane| plane.0).collect();
+        let clipping = Clipping::in_voxels(&ranges, &planes, volume.voxel_size())?;
         if clipping.leaves_nothing_of(volume.extent()) {
             eprintln!("warning: the clip planes leave nothing of the volume");
         }

@@ -27,6 +27,8 @@ mod tune_budget;
 mod tune_sweep;
 mod values;
 mod verify;
+#[cfg(feature = "viewer")]
+mod view;
 mod volume_args;
 
 use std::io::{self, Write};
@@ -79,6 +81,8 @@ enum Command {
     Phantom(phantom::Args),
     Gallery(gallery::Args),
     Demo(demo::Args),
+    #[cfg(feature = "viewer")]
+    View(view::Args),
 }
 
 /// Runs the command that the process was started with.
@@ -109,6 +113,8 @@ pub(crate) fn main() -> ExitCode {
         Command::Phantom(args) => phantom::run(&args),
         Command::Gallery(args) => gallery::run(&args),
         Command::Demo(args) => demo::run(&args),
+        #[cfg(feature = "viewer")]
+        Command::View(args) => view::run(args),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -16,8 +16,7 @@ use super::clip_args::ClipArgs;
 use super::mode_args::ModeArgs;
 use super::values;
 
-/// The sizes of leaf blocks there are.
-pub(super) const BLOCKS: [usize; 6] = [2, 4, 8, 16, 32, 64];
+pub(super) use hollowcast::octree::BLOCKS;
 
 /// What a picture is made of, besides the choices that a subcommand has one or several of.
 #[derive(Debug, Args)]
@@ -133,8 +132,8 @@ pub(super) fn tf_help() -> String {
         .map(|p| format!("{} ({})", p.name, p.summary))
         .collect();
     format!(
-        "Colour and opacity: ramp:FROM:TO:OPACITY (data values, opacity per voxel), a TOML file of control points, or a \
-         preset that looks at the histogram: {}",
+        "Colour and opacity: ramp:FROM:TO:OPACITY (data values, opacity per voxel), a TOML file of control points or its \
+         text, or a preset that looks at the histogram: {}",
         presets.join(", ")
     )
 }

@@ -45,6 +45,31 @@ impl Clipping {
         Ok(())
     }
 
+    /// Keeps what lies in `ranges` of voxels along x, y and z (an open end clips nothing) and where
+    /// `nx * x + ny * y + nz * z >= d` for all of `planes`, all in voxels of edges `voxel_size` (local units).
+    ///
+    /// # Errors
+    /// As [`Self::keep`].
+    pub fn in_voxels(
+        ranges: &[[Option<f64>; 2]; 3],
+        planes: &[[f64; 4]],
+        voxel_size: DVec3,
+    ) -> Result<Self> {
+        let grid_from_local = 1.0 / voxel_size;
+        let mut clipping = Self::NONE;
+        for (range, normal) in ranges.iter().zip([DVec3::X, DVec3::Y, DVec3::Z]) {
+            for (at, side) in [(range[0], 1.0), (range[1], -1.0)] {
+                if let Some(at) = at {
+                    clipping.keep(side * normal * grid_from_local, side * at)?;
+                }
+            }
+        }
+        for &[x, y, z, offset] in planes {
+            clipping.keep(DVec3::new(x, y, z) * grid_from_local, offset)?;
+        }
+        Ok(clipping)
+    }
+
     /// The planes: unit normal and distance, `normal . position + distance >= 0` where positions are kept.
     #[inline(always)]
     pub fn planes(&self) -> &[[f64; 4]] {

@@ -16,6 +16,8 @@ pub mod surface;
 
 use std::ops::RangeInclusive;
 
+use serde::{Deserialize, Serialize};
+
 use crate::transfer::{Domain, Table, threshold};
 use crate::volume::Statistics;
 
@@ -25,7 +27,7 @@ pub use parameters::Parameters;
 pub use surface::{Light, Lighting};
 
 /// The choice of mode, with its parameters.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Mode {
     /// Emission and absorption by a transfer function, front to back.
     EmissionAbsorption,
@@ -68,7 +70,7 @@ pub enum Mode {
 }
 
 /// Data values between which brightness goes from 0 to 1. Samples below count as 0, those above as 1.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Window {
     /// Data value of 0.
     pub low: f64,
@@ -77,7 +79,7 @@ pub struct Window {
 }
 
 /// The outer surface of [`Mode::TwoSurfaces`].
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Outer {
     /// The data value that it lies at.
     pub iso: f64,

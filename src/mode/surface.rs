@@ -1,5 +1,7 @@
 //! Surfaces: how exactly they are found, and how they are lit. Twin of `shaders/shared/surface.inc.wgsl`.
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, Result};
 
 /// Halvings of the step in which a ray crosses a surface: the crossing of the interpolated field is found to 2^-11 of a
@@ -7,7 +9,7 @@ use crate::error::{Error, Result};
 pub const HALVINGS: u32 = 10;
 
 /// Where the light comes from.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Light {
     /// From the eye, along each ray.
     Headlight,
@@ -17,7 +19,7 @@ pub enum Light {
 
 /// The parameters of Blinn and Phong's model: `ambient + diffuse * N.L`, times the colour, and `specular *
 /// (N.H)^shininess` of white, with H halfway between the light and the eye.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Lighting {
     /// Where the light comes from.
     pub light: Light,

@@ -14,6 +14,9 @@ pub mod occupancy;
 mod testing;
 pub mod tree;
 
+/// The edges of leaf blocks that there are, in voxels.
+pub const BLOCKS: [usize; 6] = [2, 4, 8, 16, 32, 64];
+
 pub use accelerator::Accelerator;
 pub use hull::{Face, Hull};
 pub use leaf_grid::LeafGrid;

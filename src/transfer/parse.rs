@@ -35,7 +35,8 @@ const MAX_FILE_BYTES: u64 = 1 << 20;
 
 impl TransferFunction {
     /// The transfer function that a user asks for: a preset's name (see [`super::PRESETS`]), a shorthand
-    /// `ramp:LOW:HIGH:OPACITY` (data values, opacity per voxel), or the path of a TOML file.
+    /// `ramp:LOW:HIGH:OPACITY` (data values, opacity per voxel), the text of a TOML file itself (which begins with one of
+    /// its fields), or the path of one.
     ///
     /// # Errors
     /// [`Error::Setting`] where it is none of these or out of range; [`Error::Io`], [`Error::File`] for a file that
@@ -46,6 +47,12 @@ impl TransferFunction {
         }
         if let Some(ramp) = spec.strip_prefix("ramp:") {
             return from_ramp(ramp);
+        }
+        if ["points", "reference_length_voxels"]
+            .iter()
+            .any(|field| spec.starts_with(field) && spec.contains('='))
+        {
+            return Self::from_toml(spec);
         }
         let path = Path::new(spec);
         if !path.exists() && path.extension().is_none() {
@@ -185,6 +192,7 @@ mod tests {
         for spec in ["ramp:-1e-3:255:0.3", "translucent", "surface", "grey"] {
             let tf = from_spec(spec).unwrap();
             assert_eq!(TransferFunction::from_toml(&tf.to_toml()).unwrap(), tf);
+            assert_eq!(from_spec(&tf.to_toml()).unwrap(), tf);
         }
     }
 

@@ -1,0 +1,322 @@
+//! The window's state, and what happens once per frame: replies are taken, panels drawn, and where anything that the picture
+//! follows from has changed, a new one is asked for.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::time::{Duration, Instant};
+
+use eframe::egui::{self, Context, TextureHandle, Ui};
+
+use crate::error::{Error, Result};
+use crate::render::Settings;
+
+use super::dialogs::Dialog;
+use super::document::Document;
+use super::jobs::{Done, Job, Running, Shot};
+use super::look::{Look, Way};
+use super::overlay::Key;
+use super::quality::{Level, Quality};
+use super::session::{Kept, Recent};
+use super::verdict::Verdict;
+use super::view::View;
+use super::worker::{Details, Frame, Reply, Stage, Worker};
+use super::{canvas, dialogs, panels, status, transfer_panel};
+
+/// What stands behind a picture that has no background, sRGB: as dark as the window.
+pub(super) const BACKDROP: [u8; 3] = [22, 24, 28];
+
+/// How many frame times the small graph shows.
+pub(super) const TIMES: usize = 90;
+
+/// A line for the user, until it is dismissed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Message {
+    /// Whether something went wrong.
+    pub is_error: bool,
+    /// What.
+    pub text: String,
+}
+
+/// How two ways are put beside each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Compare {
+    /// One picture.
+    Off,
+    /// The one left of a divider, the other right of it.
+    Split,
+    /// Both, whole.
+    SideBySide,
+    /// Where they differ.
+    Difference,
+}
+
+/// What is shown besides the picture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[expect(
+    clippy::struct_excessive_bools,
+    reason = "each is a checkbox of its own, independent of the others"
+)]
+pub struct Shown {
+    /// How two ways are compared.
+    pub compare: Compare,
+    /// Where a split view is divided, as a part of its width.
+    pub divider: f32,
+    /// Samples per pixel in place of the picture.
+    pub heat: bool,
+    /// The active leaves' outer faces.
+    pub leaves: bool,
+    /// The faces of both halves' hulls.
+    pub hull: bool,
+    /// The plane that half-split cuts at.
+    pub cut: bool,
+    /// The volume's box.
+    pub outline: bool,
+}
+
+impl Default for Shown {
+    fn default() -> Self {
+        Self {
+            compare: Compare::Off,
+            divider: 0.5,
+            heat: false,
+            leaves: false,
+            hull: false,
+            cut: false,
+            outline: false,
+        }
+    }
+}
+
+/// All that a picture follows from: asked for again only when it changes.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Asked {
+    pub(super) document: u64,
+    pub(super) look: Look,
+    pub(super) ways: Vec<Way>,
+    pub(super) view: View,
+    pub(super) size: [u32; 2],
+    pub(super) difference: bool,
+}
+
+/// A frame on the screen.
+#[derive(Default)]
+pub(super) struct OnScreen {
+    pub(super) frame: Option<Frame>,
+    pub(super) textures: Vec<TextureHandle>,
+    pub(super) difference: Option<TextureHandle>,
+    pub(super) details: Option<Details>,
+    pub(super) heat: Option<TextureHandle>,
+    pub(super) verdict: Option<Verdict>,
+    /// Frame times in ms, the last last.
+    pub(super) times: VecDeque<f32>,
+}
+
+/// The window.
+pub struct App {
+    pub(super) context: Context,
+    pub(super) documents: Vec<Document>,
+    pub(super) current: usize,
+    /// What is shown besides the picture.
+    pub shown: Shown,
+    pub(super) quality: Quality,
+    pub(super) screen: OnScreen,
+    pub(super) recent: Recent,
+    pub(super) jobs: Vec<Running>,
+    pub(super) messages: Vec<Message>,
+    pub(super) dialog: Option<Dialog>,
+    pub(super) picked: (Sender<Option<PathBuf>>, Receiver<Option<PathBuf>>),
+    pub(super) worker: Worker,
+    pub(super) replies: Receiver<Reply>,
+    pub(super) told: (Sender<Done>, Receiver<Done>),
+    /// What a session says of volumes that are still being read.
+    pub(super) awaited: Vec<Kept>,
+    pub(super) asked: Option<(Asked, Level)>,
+    pub(super) ticket: u64,
+    pub(super) next_id: u64,
+    /// The blocks that are being classified, and of which document.
+    pub(super) classifying: Option<(u64, Key)>,
+    start: Instant,
+}
+
+impl App {
+    /// A window with nothing open.
+    ///
+    /// # Errors
+    /// Where the system gives no thread to draw in.
+    pub fn new(context: &Context, recent: Recent) -> Result<Self> {
+        let (sender, replies) = channel();
+        Ok(Self {
+            context: context.clone(),
+            documents: Vec::new(),
+            current: 0,
+            shown: Shown::default(),
+            quality: Quality::default(),
+            screen: OnScreen::default(),
+            recent,
+            jobs: Vec::new(),
+            messages: Vec::new(),
+            dialog: None,
+            picked: channel(),
+            worker: Worker::start(sender, context.clone())?,
+            replies,
+            told: channel(),
+            awaited: Vec::new(),
+            asked: None,
+            ticket: 0,
+            next_id: 0,
+            classifying: None,
+            start: Instant::now(),
+        })
+    }
+
+    /// Opens a volume, as the command names it.
+    pub fn open(&mut self, volume: &str) {
+        self.start_job(Job::Load(volume.to_owned()));
+    }
+
+    /// Opens what a session kept.
+    pub fn restore(&mut self, kept: Vec<Kept>) {
+        for kept in kept {
+            self.open(&kept.volume);
+            self.awaited.push(kept);
+        }
+    }
+
+    /// The document that is shown.
+    pub fn document(&self) -> Option<&Document> {
+        self.documents.get(self.current)
+    }
+
+    /// The same, to change.
+    pub fn document_mut(&mut self) -> Option<&mut Document> {
+        self.documents.get_mut(self.current)
+    }
+
+    /// Whether all that was asked for is drawn, at full quality, and nothing is under way.
+    pub fn is_at_rest(&self) -> bool {
+        let is_drawn = self
+            .screen
+            .frame
+            .as_ref()
+            .is_some_and(|frame| frame.ticket == self.ticket && frame.level == Level::FULL);
+        self.jobs.is_empty() && is_drawn && self.worker.stage() == Stage::Idle
+    }
+
+    /// What went wrong or was done, the last last.
+    pub fn messages(&self) -> &[Message] {
+        &self.messages
+    }
+
+    /// The settings that the picture on the screen was drawn with, once it is there.
+    pub fn drawn(&self) -> Option<Settings> {
+        Some(self.screen.frame.as_ref()?.drawn.first()?.settings)
+    }
+
+    /// How the two pictures on the screen differ: pixels with any bit different, and the largest difference of a channel.
+    pub fn difference(&self) -> Option<(u64, f64)> {
+        let compared = self.screen.frame.as_ref()?.compared.as_ref()?;
+        Some((compared.pixels, compared.max_abs))
+    }
+
+    /// Width and height that pictures on the screen have at full quality.
+    pub(super) fn asked_size(&self) -> Option<[u32; 2]> {
+        Some(self.asked.as_ref()?.0.size)
+    }
+
+    pub(super) fn stage(&self) -> Stage {
+        self.worker.stage()
+    }
+
+    pub(super) fn stop(&self) {
+        self.worker.cancel();
+        for job in &self.jobs {
+            job.control.cancel();
+        }
+    }
+
+    pub(super) fn now(&self) -> Duration {
+        self.start.elapsed()
+    }
+
+    pub(super) fn start_job(&mut self, job: Job) {
+        self.next_id += 1;
+        let running = job.start(self.next_id, &self.told.0, &self.context);
+        self.jobs.push(running);
+    }
+
+    pub(super) fn say(&mut self, text: String) {
+        self.messages.push(Message {
+            is_error: false,
+            text,
+        });
+    }
+
+    pub(super) fn complain(&mut self, error: &Error) {
+        let text = error.to_string();
+        if !self.messages.iter().any(|message| message.text == text) {
+            self.messages.push(Message {
+                is_error: true,
+                text,
+            });
+        }
+    }
+
+    /// A picture of the current document as it stands, by the way that is on the screen, at any size.
+    pub(super) fn shot(&self, size: [u32; 2], transparent: bool) -> Result<Option<Shot>> {
+        let Some(document) = self.document() else {
+            return Ok(None);
+        };
+        let Document {
+            volume,
+            look,
+            way,
+            view,
+            ..
+        } = document;
+        Ok(Some(Shot {
+            volume: volume.clone(),
+            transfer: look.transfer.clone(),
+            way: *way,
+            settings: way.settings(look, view, volume, size)?,
+            background: if transparent {
+                None
+            } else {
+                look.linear_background()
+            },
+        }))
+    }
+
+    /// One frame of the window.
+    pub fn show(&mut self, ui: &mut Ui) {
+        self.receive();
+        dialogs::take_picked(self);
+        let dropped = ui.input(|i| i.raw.dropped_files.clone());
+        for file in dropped {
+            self.open(&file.path().display().to_string());
+        }
+        super::actions::shortcuts(self, ui);
+        status::top(self, ui);
+        status::bottom(self, ui);
+        panels::left(self, ui);
+        transfer_panel::bottom(self, ui);
+        let size = egui::CentralPanel::no_frame()
+            .show(ui, |ui| canvas::show(self, ui))
+            .inner;
+        dialogs::show(self, ui);
+        if let Some(size) = size {
+            self.ask(size);
+        }
+        let is_dragging = ui.input(|i| i.pointer.any_down());
+        if let Some(document) = self.document_mut()
+            && !is_dragging
+        {
+            let edit = document.edit();
+            document.history.keep(&edit);
+        }
+        // A picture that is drawn or a job that runs is followed; otherwise nothing is redrawn.
+        if !self.jobs.is_empty() || self.worker.stage() != Stage::Idle {
+            ui.ctx().request_repaint_after(Duration::from_millis(150));
+        }
+    }
+}

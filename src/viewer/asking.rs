@@ -1,0 +1,112 @@
+//! Asking the worker for pictures: only where something that they follow from has changed.
+
+use crate::error::Result;
+use crate::render::Settings;
+
+use super::app::{App, Asked, BACKDROP, Compare};
+use super::jobs::Job;
+use super::look::{Way, linear};
+use super::overlay::Key;
+use super::quality::Level;
+use super::worker::Request;
+
+impl App {
+    /// Asks for a picture of this size, where it would be another one.
+    pub(super) fn ask(&mut self, size: [u32; 2]) {
+        let Some(document) = self.documents.get(self.current) else {
+            return;
+        };
+        let mut ways = vec![document.way];
+        if self.shown.compare != Compare::Off {
+            ways.push(document.other);
+        }
+        let asked = Asked {
+            document: document.id,
+            look: document.look.clone(),
+            ways,
+            view: document.view,
+            size,
+            difference: self.shown.compare == Compare::Difference,
+        };
+        let now = self.now();
+        if self
+            .asked
+            .as_ref()
+            .is_some_and(|(before, _)| *before != asked)
+        {
+            self.quality.moved(now);
+        }
+        let level = self.quality.level(now);
+        if let Some(rest) = self.quality.until_rest(now) {
+            self.context.request_repaint_after(rest);
+        }
+        let asked = (asked, level);
+        if self.asked.as_ref() == Some(&asked) {
+            return;
+        }
+        let is_other_scene = self
+            .asked
+            .as_ref()
+            .is_none_or(|(before, _)| *before != asked.0);
+        if is_other_scene {
+            self.screen.verdict = None;
+        }
+        match self.request(&asked) {
+            Ok(request) => self.worker.ask(request),
+            Err(error) => self.complain(&error),
+        }
+        self.asked = Some(asked);
+        self.follow_overlay();
+    }
+
+    fn request(&mut self, (asked, level): &(Asked, Level)) -> Result<Request> {
+        self.ticket += 1;
+        let document = &self.documents[self.current];
+        let size = level.size(asked.size);
+        let picture = |way: &Way| {
+            let settings = way.settings(&document.look, &document.view, &document.volume, size)?;
+            let step_voxels = settings.step_voxels * level.step;
+            Ok((
+                *way,
+                Settings {
+                    step_voxels,
+                    ..settings
+                },
+            ))
+        };
+        Ok(Request {
+            ticket: self.ticket,
+            volume: document.volume.clone(),
+            transfer: document.look.transfer.clone(),
+            pictures: asked.ways.iter().map(picture).collect::<Result<_>>()?,
+            backdrop: linear(document.look.background.unwrap_or(BACKDROP)),
+            level: *level,
+            difference: asked.difference,
+        })
+    }
+
+    /// Classifies blocks anew, where an overlay shows them and they are others than those known.
+    pub(super) fn follow_overlay(&mut self) {
+        let wants = self.shown.leaves || self.shown.hull || self.shown.cut;
+        let (Some(document), Some(settings), true) = (self.document(), self.drawn(), wants) else {
+            return;
+        };
+        let settings = Settings {
+            step_voxels: document.way.step_voxels,
+            mode: document.look.mode,
+            ..settings
+        };
+        let key = Key::of(&document.look.transfer, &settings);
+        let is_known = document
+            .overlay
+            .as_ref()
+            .is_some_and(|(known, _)| *known == key);
+        let wanted = (document.id, key);
+        if is_known || self.classifying.is_some() {
+            return;
+        }
+        let volume = document.volume.clone();
+        self.classifying = Some(wanted.clone());
+        self.start_job(Job::Overlay(volume, Box::new(wanted.1), wanted.0));
+    }
+}

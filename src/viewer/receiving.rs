@@ -1,0 +1,133 @@
+//! What comes back from the worker and from jobs.
+
+use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
+
+use super::app::{App, TIMES};
+use super::document::Document;
+use super::jobs::Done;
+use super::quality::Level;
+use super::worker::{Frame, Reply};
+
+impl App {
+    pub(super) fn receive(&mut self) {
+        while let Ok(reply) = self.replies.try_recv() {
+            match reply {
+                Reply::Frame(frame) => self.take_frame(*frame),
+                Reply::Details(mut details) if details.ticket == self.ticket => {
+                    let image = std::mem::take(&mut details.heat);
+                    set_texture(&self.context, &mut self.screen.heat, "heat", image);
+                    self.screen.details = Some(*details);
+                }
+                Reply::Weighed(ticket, verdict) if ticket == self.ticket => {
+                    self.screen.verdict = Some(verdict);
+                }
+                Reply::Details(_) | Reply::Weighed(..) => {}
+                Reply::Failed(error) => self.complain(&error),
+            }
+        }
+        while let Ok(done) = self.told.1.try_recv() {
+            match done {
+                Done::Loaded(name, volume, statistics) => {
+                    self.next_id += 1;
+                    match Document::new(self.next_id, name, volume, *statistics) {
+                        Ok(document) => self.add(document),
+                        Err(error) => self.complain(&error),
+                    }
+                }
+                Done::Wrote(text) => self.say(text),
+                Done::Swept(choice, ms) => {
+                    if let Some(document) = self.document_mut() {
+                        document.sweep.push((choice, ms));
+                    }
+                }
+                Done::Classified(id, key, overlay) => {
+                    let document = self.documents.iter_mut().find(|d| d.id == id);
+                    if let Some(document) = document {
+                        document.overlay = Some((*key, *overlay));
+                    }
+                    self.classifying = None;
+                    self.follow_overlay();
+                }
+                Done::Finished(id) => self.jobs.retain(|job| job.id != id),
+                Done::Failed(error) => {
+                    self.classifying = None;
+                    self.complain(&error);
+                }
+            }
+        }
+    }
+
+    fn add(&mut self, mut document: Document) {
+        for warning in &document.volume.warnings {
+            self.say(format!("{}: {warning}", document.short_name()));
+        }
+        let awaited = self.awaited.iter().position(|k| k.volume == document.name);
+        if let Some(place) = awaited {
+            document.restore(&self.awaited.remove(place));
+        }
+        self.recent.add(&document.name);
+        self.documents.push(document);
+        self.current = self.documents.len() - 1;
+    }
+
+    fn take_frame(&mut self, mut frame: Frame) {
+        if frame.ticket != self.ticket && frame.level == Level::FULL {
+            return;
+        }
+        let ms: f64 = frame
+            .drawn
+            .iter()
+            .map(|d| d.times.frame_ms + d.read_back_ms)
+            .sum();
+        let took = if frame.level == Level::FULL {
+            ms
+        } else {
+            frame.whole_ms
+        };
+        self.quality.measured(frame.level, took);
+        tracing::debug!(
+            "frame of {:?} pixels in {:.1} ms: {}",
+            frame.drawn[0].settings.size,
+            frame.whole_ms,
+            frame.level.words()
+        );
+        let times = &mut self.screen.times;
+        times.push_back(frame.drawn[0].times.frame_ms as f32);
+        while times.len() > TIMES {
+            times.pop_front();
+        }
+        self.screen.textures.truncate(frame.drawn.len());
+        for (i, drawn) in frame.drawn.iter_mut().enumerate() {
+            let image = std::mem::take(&mut drawn.image);
+            if let Some(texture) = self.screen.textures.get_mut(i) {
+                texture.set(image, TextureOptions::LINEAR);
+            } else {
+                let options = TextureOptions::LINEAR;
+                let texture = self.context.load_texture("picture", image, options);
+                self.screen.textures.push(texture);
+            }
+        }
+        if let Some(image) = frame.compared.as_mut().and_then(|c| c.image.take()) {
+            set_texture(
+                &self.context,
+                &mut self.screen.difference,
+                "difference",
+                image,
+            );
+        }
+        self.screen.frame = Some(frame);
+        self.follow_overlay();
+    }
+}
+
+fn set_texture(
+    context: &Context,
+    place: &mut Option<TextureHandle>,
+    name: &str,
+    image: ColorImage,
+) {
+    match place {
+        Some(texture) => texture.set(image, TextureOptions::LINEAR),
+        None => *place = Some(context.load_texture(name, image, TextureOptions::LINEAR)),
+    }
+}
