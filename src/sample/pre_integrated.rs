@@ -4,7 +4,7 @@
 //! Extinction is linear between the entries of the table that it is made from, and so is what is emitted. Sums over the
 //! entries give the integral of both over any range in constant time, so that a table follows an edit at once. What the
 //! front of an interval absorbs of the light from its back is accounted for twice over: exactly where the colour does not
-//! change, and by cutting the range into [`MOST_PIECES`] where it does. Both errors are of third order in an interval
+//! change, and by cutting the range into pieces where it does. Both errors are of third order in an interval
 //! whose colour is smooth and of second order in the one that a steep entry falls into: of second order in all.
 
 use std::sync::Arc;

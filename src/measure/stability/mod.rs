@@ -1,6 +1,6 @@
 //! Where methods fail: named hazards, each with a generator of its own, and what every method makes of them.
 //!
-//! A hazard is one or more frames of a small volume. [`run`] draws them with every [`Contestant`], holds each picture
+//! A hazard is one or more frames of a small volume. `run` draws them with every [`Contestant`], holds each picture
 //! against box's on the same backend and box's against the f64 reference's of the same scene (exact interpolation, the
 //! same step and mode), so that arithmetic and skipping are judged and not the step; and says [`Verdict`].
 
