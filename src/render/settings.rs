@@ -3,9 +3,9 @@
 use super::{DEFAULT_BLOCK, SliceCount};
 use crate::camera::Camera;
 use crate::lattice::Clipping;
-use crate::mode::Mode;
 #[cfg(doc)]
 use crate::mode::DepthCue;
+use crate::mode::Mode;
 use crate::sample::{Classification, Gradients, Sampler};
 use crate::skip::{Cuts, Skip};
 use crate::transfer::TABLE_SIZES;
