@@ -19,11 +19,9 @@ use crate::transfer::{Table, lookup};
 /// narrower than that counts with its area, as it does in every interval that spans it.
 pub const MOST_NODES: usize = 512;
 
-/// Pieces of equal range that an interval is cut into at most.
-const MOST_PIECES: usize = 8;
-
-/// Optical depth of a piece: where an interval has less, it needs no other.
-const PIECE_DEPTH: f64 = 0.0625;
+/// Pieces of equal range that every interval is cut into: as many for a short one as for a long one, so that errors fall
+/// evenly with the step.
+const PIECES: usize = 8;
 
 /// Optical depth of a step through what is opaque at any length: a hundredth of it still is, to f32's last bit but ten.
 const OPAQUE: f64 = 1024.0;
@@ -182,14 +180,9 @@ impl Integrals {
         if whole[3] == 0.0 {
             return [[0.0; 4]; 2];
         }
-        let needed = (whole[3] / range / PIECE_DEPTH).ceil();
-        let pieces = needed.min(range.ceil()).clamp(1.0, MOST_PIECES as f64) as usize;
-        if pieces == 1 {
-            return [attenuated(whole.map(|c| c / range)); 2];
-        }
         let (mut up, mut down) = ([0.0; 4], [0.0; 4]);
-        let end = |i: usize| low + range * (i as f64 / pieces as f64);
-        for i in 0..pieces {
+        let end = |i: usize| low + range * (i as f64 / PIECES as f64);
+        for i in 0..PIECES {
             let piece = self.integral(end(i), end(i + 1)).map(|c| c / range);
             let piece = attenuated(piece);
             up = over(up, piece);
