@@ -221,9 +221,12 @@ fn kinds(renderers: &[Renderer], plan: &Plan) -> Result<Vec<(usize, Sampler, f32
             ert_bound(transfer, &settings).is_none_or(|bound| bound.error <= limit)
         };
         let thresholds: Vec<f32> = thresholds.iter().copied().filter(is_inside).collect();
-        let samplers = match settings_on(renderer.info().backend, settings).sampler {
+        let backend = renderer.info().backend;
+        let samplers = match settings_on(backend, settings).sampler {
             Some(only) => vec![only],
-            None => vec![Sampler::Hardware, Sampler::Exact],
+            // Only graphics adapters have a filter.
+            None if backend == "gpu" => vec![Sampler::Hardware, Sampler::Exact],
+            None => vec![Sampler::Exact],
         };
         for sampler in samplers {
             kinds.extend(thresholds.iter().map(|&ert| (i, sampler, ert)));
