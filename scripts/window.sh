@@ -6,7 +6,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-binary=target/${PROFILE:-debug}/hollowcast
+binary=${CARGO_TARGET_DIR:-target}/${PROFILE:-debug}/hollowcast
 scratch=$(mktemp -d)
 folder=${1:-$scratch}
 display=
