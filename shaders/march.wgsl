@@ -6,6 +6,11 @@
 #import sample/{SAMPLER}
 #import mode/{MODE}
 #import count/{COUNT}
+#import bound/{BOUND}
+
+// Segments to look for before the samples of the first are taken, and one that ends the last of them; just one where what is
+// found next depends on the samples taken, or on the segment that they are in.
+const LOOK_AHEAD = min(SEGMENTS_AHEAD, BLOCKS_AHEAD);
 
 @group(0) @binding(2) var<storage, read> tiles: array<Tile>;
 // The mode's state while a picture is in work, the pixels at its end; row by row.
@@ -42,28 +47,65 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
     }
     count_begin(at);
 
-    var k_stop = k;
+    // Invocations that run in step wait for each other, at every sample, while one of them looks for its next segment. So
+    // each looks for several at a time, and then takes their samples.
     var segment = skip_begin(ray, pixel, tile, k);
-    var left = settings.max_iterations;
+    // The segments found, in order: where they begin and end.
+    var starts = vec4u(0u);
+    var ends = vec4u(0u);
+    // One more, which may be longer than is known yet.
+    var open = vec2u(0u);
+    var k_found = k;
+    var steps_left = settings.max_iterations;
+    var samples_left = settings.max_iterations;
     var finished = false;
     loop {
-        // Only where a lane has used up its segment: no cost per sample. Every step advances k or the segment.
-        while k >= k_stop && !finished && left > 0u {
-            let next = skip_next(&segment, state, ray, k);
-            k = next.x;
-            k_stop = next.y;
-            finished = k >= ray.k_end;
-            left -= 1u;
+        var found = min(open.y, 1u);
+        starts.x = open.x;
+        ends.x = open.y;
+        var end = open.y;
+        open = vec2u(0u);
+        while k_found < ray.k_end && found < LOOK_AHEAD && steps_left > 0u {
+            let next = skip_next(&segment, state, ray, k_found);
+            k_found = next.y;
+            steps_left -= 1u;
             count_skip();
+            if next.x < next.y {
+                // Those that meet are one.
+                let joins = found > 0u && next.x == end;
+                end = next.y;
+                found += select(1u, 0u, joins);
+                let slot = vec4u(0u, 1u, 2u, 3u) == vec4u(found - 1u);
+                starts = select(starts, vec4u(next.x), slot & vec4<bool>(!joins));
+                ends = select(ends, vec4u(end), slot);
+                if found > 4u {
+                    open = next;
+                }
+            }
         }
-        if finished || left == 0u {
+        finished = found == 0u && k_found >= ray.k_end;
+        if found == 0u {
+            k = k_found;
             break;
         }
-        let contributes = step_sample(&state, &segment, k, ray);
-        count_sample(contributes, k, ray);
-        k += step_length(&segment);
-        left -= 1u;
-        finished = mode_done(state);
+        found = min(found, 4u);
+        k = starts.x;
+        while found > 0u && !finished && samples_left > 0u {
+            let contributes = step_sample(&state, &segment, k, ray);
+            count_sample(contributes, k, ray);
+            k += step_length(&segment);
+            samples_left -= 1u;
+            finished = mode_done(state);
+            if k >= ends.x {
+                starts = vec4u(starts.yzw, 0u);
+                ends = vec4u(ends.yzw, 0u);
+                found -= 1u;
+                k = max(k, starts.x);
+            }
+        }
+        if finished || found > 0u {
+            break;
+        }
     }
 
     if settings.store_progress != 0u {

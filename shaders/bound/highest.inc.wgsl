@@ -1,6 +1,9 @@
 // The highest place in the window that a block can have against the highest that the ray has seen, which mip and minip keep
 // in state.x: a block that lies no higher adds nothing. Twin of skip::Majorants.
 
+// See march: what a ray has seen decides.
+const BLOCKS_AHEAD = 1u;
+
 // The byte of a block that reaches the window's end (majorants::FULL).
 const FULL = 254.0;
 

@@ -30,16 +30,28 @@ fn block_byte(block: vec3f) -> u32 {
     return (blocks[i / 4u] >> (i % 4u * 8u)) & 0xffu;
 }
 
-// How many samples on from the one at `at` are certain to lie less than `distance` blocks from `block`, which it lies in;
-// that one included. Twin of distance_map::leap.
-fn leap(ray: Ray, at: vec3f, block: vec3f, distance: f32) -> u32 {
+// How a ray goes through blocks.
+struct Way {
+    // Samples per voxel along each axis; 1e30 where the ray is parallel.
+    inverse: vec3f,
+    // 1 or -1: where it goes.
+    direction: vec3f,
+    // 0 or 1: which face of a block it comes from.
+    behind: vec3f,
+}
+
+fn way_of(ray: Ray) -> Way {
     let parallel = ray.delta == vec3f(0.0);
-    let face = select(
-        (block + 1.0 - distance) * view.block - REACH,
-        (block + distance) * view.block + REACH,
-        vec3f(0.0) < ray.delta,
-    );
-    let samples = select((face - at) / select(ray.delta, vec3f(1.0), parallel), vec3f(1e30), parallel);
+    let inverse = select(1.0 / select(ray.delta, vec3f(1.0), parallel), vec3f(1e30), parallel);
+    let behind = select(vec3f(0.0), vec3f(1.0), ray.delta < vec3f(0.0));
+    return Way(inverse, 1.0 - 2.0 * behind, behind);
+}
+
+// How many samples on from the one at `at` are certain to lie less than `distance` blocks and `reach` voxels from `block`,
+// which it lies in; that one included. Twin of distance_map::leap.
+fn leap(way: Way, ray: Ray, at: vec3f, block: vec3f, distance: f32, reach: f32) -> u32 {
+    let face = (block + way.behind) * view.block + (distance * view.block + reach) * way.direction;
+    let samples = (face - at) * way.inverse;
     let least = min(min(samples.x, samples.y), samples.z);
     // No farther than the ray goes: the number must fit.
     return u32(clamp(ceil(least), 1.0, f32(ray.k_end) + 1.0));

@@ -18,6 +18,7 @@ struct MarchSettings {
     near_mask: u32,
     tile_count: u32,
     tiles_per_row: u32,
+    // Of samples and of steps, each.
     max_iterations: u32,
     resume: u32,
     store_progress: u32,

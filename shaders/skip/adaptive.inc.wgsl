@@ -5,10 +5,11 @@
 struct Segment {
     // Lattice points per sample.
     stride: u32,
+    way: Way,
 }
 
 fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
-    return Segment(1u);
+    return Segment(1u, way_of(ray));
 }
 
 // The samples from k on that lie in its block, as far as whole strides go; of a stride that does not fit, the largest half
@@ -20,7 +21,7 @@ fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) ->
     let at = lattice(ray, k);
     let block = block_at(at);
     let code = block_byte(block);
-    let inside = min(leap(ray, at, block, 1.0), ray.k_end - k);
+    let inside = min(leap((*segment).way, ray, at, block, 1.0, REACH), ray.k_end - k);
     if code == 0u {
         return vec2u(k + inside);
     }

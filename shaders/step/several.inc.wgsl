@@ -1,6 +1,9 @@
 // One sample stands for its segment's stride of lattice points and lies in their middle: the mode takes it as often. Twin
 // of skip::adaptive.
 
+// See march: samples are as far apart as their segment says.
+const SEGMENTS_AHEAD = 1u;
+
 fn step_sample(state: ptr<function, vec4f>, segment: ptr<function, Segment>, k: u32, ray: Ray) -> bool {
     let stride = (*segment).stride;
     let x = sample_x(ray.entry + (f32(k) + 0.5 * f32(stride)) * ray.delta);

@@ -4,9 +4,9 @@ use super::Job;
 use super::tiles::TILE;
 use crate::skip::Skip;
 
-/// Iterations of one invocation in one dispatch. Mesa's software driver ends an invocation silently after 65,535, and
-/// real drivers have watchdogs.
-pub(super) const MAX_ITERATIONS: u32 = 16_384;
+/// Samples, and steps that find them, of one invocation in one dispatch. Mesa's software driver ends an invocation silently
+/// after 65,535 iterations, and real drivers have watchdogs.
+pub(super) const MAX_ITERATIONS: u32 = 8_192;
 
 /// Samples that one dispatch may take at most on hardware: about 100 ms on the slowest integrated GPUs.
 const MAX_SAMPLES_PER_DISPATCH: u64 = 1 << 27;
@@ -34,14 +34,21 @@ impl Dispatch {
 
 /// Cuts a march into dispatches of bounded length.
 pub(super) fn dispatches(job: &Job, tile_count: u32, is_software: bool) -> Vec<Dispatch> {
-    // Every iteration takes a sample, passes one by, or takes a step between blocks: at most two for each on the way. Methods
-    // that find their segments as they go may take a step before every sample.
+    // A step finds a segment or passes one by: at most two for each block on the way. Methods that find their segments as
+    // they go may take a step before every sample. A dispatch that runs out of samples may have to find segments again.
     let [x, y, z] = job.block_dims();
     let finds_on_the_way = job.skip.method().shader != Skip::Box.method().shader;
-    let per_sample = if finds_on_the_way { 2.0 } else { 1.0 };
-    let longest = job.scene.frame.max_samples() * per_sample + f64::from(2 * (x + y + z) + 16);
-    let rounds = ((longest / f64::from(MAX_ITERATIONS)).ceil() as u32).max(1);
-    let per_tile = longest.min(f64::from(MAX_ITERATIONS)) as u64 * u64::from(TILE * TILE);
+    let samples = job.scene.frame.max_samples();
+    let steps = f64::from(2 * (x + y + z) + 16) + if finds_on_the_way { samples } else { 0.0 };
+    let [of_samples, of_steps] =
+        [samples, steps].map(|n| ((n / f64::from(MAX_ITERATIONS)).ceil() as u32).max(1));
+    let rounds = if of_samples == 1 && of_steps == 1 {
+        1
+    } else {
+        of_samples + of_steps
+    };
+    let longest = samples + steps;
+    let per_tile = longest.min(2.0 * f64::from(MAX_ITERATIONS)) as u64 * u64::from(TILE * TILE);
     // A software driver has no watchdog, and splitting costs it a barrier.
     let tiles_at_once = if is_software && rounds == 1 {
         tile_count.max(1)
