@@ -47,4 +47,5 @@ struct Tile {
     axis: u32,
 }
 
-@group(0) @binding(1) var<uniform> settings: MarchSettings;
+// In storage: branches are taken by it, and a driver that makes uniforms constants of its code compiles that for every frame.
+@group(0) @binding(1) var<storage, read> settings: MarchSettings;

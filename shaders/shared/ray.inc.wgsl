@@ -46,8 +46,13 @@ fn ray_through(pixel: vec2u) -> Ray {
     var k_near = max(ceil(-t_box / view.step - (0.5 + EDGE)), 0.0);
     var k_end = max(ceil(chord / view.step - (0.5 + EDGE)), 0.0);
     var drawn = vec2f(max(-t_box / view.step, 0.0), chord / view.step);
-    for (var i = 0u; i < view.clip_count; i++) {
+    // To the first that is none, not to a count of them: a driver that makes uniforms constants of its code (Mesa's software
+    // driver) would compile the loop again for every frame, and keep what it compiled.
+    for (var i = 0u; i < MAX_CLIP_PLANES; i++) {
         let plane = view.clip_planes[i];
+        if all(plane.xyz == vec3f(0.0)) {
+            break;
+        }
         let height = dot(plane.xyz, l.start) + plane.w;
         let along = dot(plane.xyz, d);
         let is_parallel = abs(along) < PARALLEL;

@@ -1,6 +1,9 @@
 // The rays of one picture, affine in the pixel, in local coordinates (box [0, extent]; unit: smallest voxel spacing).
 // Mirrors gpu::abi::View, made in f64 from lattice::RayFrame.
 
+// lattice::MAX_CLIP_PLANES.
+const MAX_CLIP_PLANES = 12u;
+
 struct View {
     start: vec3f,
     step: f32,
@@ -29,11 +32,11 @@ struct View {
     origin: vec2u,
     // Pixels of this tile.
     size: vec2u,
-    clip_count: u32,
     pad4: u32,
+    pad5: u32,
     clip_from_local: mat4x4f,
-    // Unit normal and distance, local coordinates; what is on the normal's side is drawn.
-    clip_planes: array<vec4f, 12>,
+    // Unit normal and distance, local coordinates; what is on the normal's side is drawn. Zeros after the last.
+    clip_planes: array<vec4f, MAX_CLIP_PLANES>,
 }
 
 @group(0) @binding(0) var<uniform> view: View;

@@ -15,9 +15,11 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
 // Sample k where its block is active and may add something, otherwise the empty segment after it.
 fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) -> vec2u {
     let next = min(k, ray.k_end);
-    let front = block_at(lattice_front(ray, k));
+    let begin = lattice_front(ray, k);
+    let front = block_at(begin);
     var is_active = block_bit(front) && may_add(front, state);
-    if view.reach > 0.0 {
+    // Where a sample is an interval. Not asked of `view.reach` itself: see shared/march_settings.
+    if any(begin != lattice(ray, k)) {
         // What lies between the values of two blocks that touch is theirs too: their supports overlap.
         let back = block_at(lattice_front(ray, k + 1u));
         is_active = is_active || block_bit(back) || any(abs(back - front) > vec3f(1.0));

@@ -26,8 +26,8 @@ pub struct View {
     pub centre: [f32; 2],
     pub origin: [u32; 2],
     pub size: [u32; 2],
-    pub clip_count: u32,
     pub pad4: u32,
+    pub pad5: u32,
     pub clip_from_local: [[f32; 4]; 4],
     pub clip_planes: [[f32; 4]; 12],
 }
@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn structs_are_what_the_shaders_read() {
         mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, reach,
-            extent, pad2, grid_from_local, pad3, centre, origin, size, clip_count, pad4,
+            extent, pad2, grid_from_local, pad3, centre, origin, size, pad4, pad5,
             clip_from_local, clip_planes);
         mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
             tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, takes_runs,

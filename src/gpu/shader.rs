@@ -111,6 +111,9 @@ fn append(
 }
 
 #[cfg(test)]
+mod branches;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -234,6 +237,7 @@ mod tests {
             )
             .validate(&module)
             .unwrap_or_else(|e| panic!("{}", e.emit_to_string(&text)));
+            assert_eq!(super::branches::on_uniforms(&module), [""; 0], "{text}");
         }
     }
 

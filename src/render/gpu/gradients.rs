@@ -195,7 +195,7 @@ fn pipeline(gpu: &Gpu) -> Result<(wgpu::BindGroupLayout, wgpu::ComputePipeline)>
         .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("gradients"),
             entries: &[
-                entry(0, uniform(false)),
+                entry(0, uniform()),
                 entry(
                     1,
                     wgpu::BindingType::Texture {

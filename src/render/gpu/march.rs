@@ -102,10 +102,19 @@ fn storage(read_only: bool) -> wgpu::BindingType {
     }
 }
 
-pub(super) fn uniform(has_dynamic_offset: bool) -> wgpu::BindingType {
+/// Where march settings are bound: see `shaders/shared/march_settings`.
+pub(super) fn march_settings(has_dynamic_offset: bool) -> wgpu::BindingType {
+    wgpu::BindingType::Buffer {
+        ty: wgpu::BufferBindingType::Storage { read_only: true },
+        has_dynamic_offset,
+        min_binding_size: None,
+    }
+}
+
+pub(super) fn uniform() -> wgpu::BindingType {
     wgpu::BindingType::Buffer {
         ty: wgpu::BufferBindingType::Uniform,
-        has_dynamic_offset,
+        has_dynamic_offset: false,
         min_binding_size: None,
     }
 }
@@ -123,8 +132,8 @@ impl MarchPass {
             .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: Some("march scene"),
                 entries: &[
-                    entry(0, uniform(false)),
-                    entry(1, uniform(true)),
+                    entry(0, uniform()),
+                    entry(1, march_settings(true)),
                     entry(2, storage(true)),
                     entry(3, storage(false)),
                     entry(4, storage(false)),
@@ -144,7 +153,7 @@ impl MarchPass {
                         }),
                     ),
                     entry(7, storage(true)),
-                    entry(8, uniform(false)),
+                    entry(8, uniform()),
                     entry(
                         9,
                         texture(

@@ -150,7 +150,7 @@ impl GpuBackend {
                 entries: &[wgpu::BindGroupLayoutEntry {
                     binding: 0,
                     visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-                    ty: uniform(false),
+                    ty: uniform(),
                     count: None,
                 }],
             });
@@ -165,7 +165,7 @@ impl GpuBackend {
             bounds: None,
             kept_faces: HashMap::new(),
             views: GrowBuffer::new("view", Usage::UNIFORM),
-            settings: GrowBuffer::new("march settings", Usage::UNIFORM),
+            settings: GrowBuffer::new("march settings", Usage::STORAGE),
             tiles: GrowBuffer::new("tiles", Usage::STORAGE),
             runs: GrowBuffer::new("runs", Usage::STORAGE),
             blocks: KeptBuffer::new("blocks"),

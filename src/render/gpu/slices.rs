@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::dispatch::dispatches;
-use super::march::{Count, uniform};
+use super::march::{Count, march_settings, uniform};
 use super::piece::bind;
 use super::uniforms::{mode_of, settings_of, view_of};
 use super::{GpuBackend, Job, MAX_TARGET, Piece, RASTER, place};
@@ -77,12 +77,12 @@ impl SlicesPass {
             .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
                 label: Some("slices"),
                 entries: &[
-                    entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, uniform(false)),
-                    entry(1, fragment, uniform(false)),
+                    entry(0, wgpu::ShaderStages::VERTEX_FRAGMENT, uniform()),
+                    entry(1, fragment, march_settings(false)),
                     entry(5, fragment, texture),
                     entry(6, fragment, wgpu::BindingType::Sampler(filter)),
                     entry(7, fragment, table),
-                    entry(8, fragment, uniform(false)),
+                    entry(8, fragment, uniform()),
                 ],
             });
         let layout = gpu

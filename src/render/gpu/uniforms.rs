@@ -129,8 +129,8 @@ pub(super) fn view_of(job: &Job, piece: &Piece, clip_from_local: &glam::DMat4) -
         centre: frame.size.map(|n| (f64::from(n) * 0.5 - 0.5) as f32),
         origin: piece.origin,
         size: piece.size,
-        clip_count: frame.clipping.planes().len() as u32,
         pad4: 0,
+        pad5: 0,
         clip_from_local: (zoom * *clip_from_local).as_mat4().to_cols_array_2d(),
         clip_planes,
     }
