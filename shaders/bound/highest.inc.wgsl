@@ -1,5 +1,6 @@
 // The highest place in the window that a block can have against the highest that the ray has seen, which mip and minip keep
 // in state.x: a block that lies no higher adds nothing. Twin of skip::Majorants.
+#import shared/blocks
 
 // See march: what a ray has seen decides.
 const BLOCKS_AHEAD = 1u;

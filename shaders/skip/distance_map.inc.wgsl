@@ -21,6 +21,6 @@ fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) ->
     // An interval ends where the next begins: the last one that begins in emptiness may end beyond it.
     let free = select(whole - u32(2.0 * view.reach), 0u, is_taken);
     let taken = select(u32(free == 0u), whole, is_taken);
-    let next = min(k, ray.k_end) + free;
-    return vec2u(next, next + taken);
+    let next = k + free;
+    return min(vec2u(next, next + taken), vec2u(ray.k_end));
 }

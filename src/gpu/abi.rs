@@ -127,6 +127,7 @@ mod tests {
             ("COUNT", "off"),
             ("GRADIENT", "fly"),
             ("CUE", "on"),
+            ("BOUND", "none"),
         ];
         let module = naga::front::wgsl::parse_str(&compose(root, &choices).unwrap()).unwrap();
         let (_, ty) = module
