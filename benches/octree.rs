@@ -1,7 +1,8 @@
-//! What the accelerator costs: preprocessing, re-culling after an edit of the table, bytes and faces.
+//! What the accelerator costs: preprocessing, re-culling after an edit of the table, bytes and faces. And what pre-integrating
+//! a table costs, which every edit of one does again.
 //!
 //! `cargo bench --bench octree` measures closed-form volumes; raw u8 volumes are added after `--`
-//! as `PATH:256x256x178`. Prints medians of 15 runs.
+//! as `PATH:256x256x178`. Prints medians of 15 runs. `-- pairs` measures the tables of pairs alone.
 
 use std::fs;
 use std::hint::black_box;
@@ -10,6 +11,7 @@ use std::time::Instant;
 use glam::{DMat3, DVec3};
 use hollowcast::mode::Mode;
 use hollowcast::octree::{Accelerator, Hull};
+use hollowcast::sample::PreIntegrated;
 use hollowcast::transfer::{ControlPoint, Domain, Table, TransferFunction};
 use hollowcast::volume::{Rescale, Volume, Voxels};
 
@@ -19,6 +21,10 @@ const RUNS: usize = 15;
 fn main() {
     // Cargo adds flags of its own for the standard harness.
     let paths = std::env::args().skip(1).filter(|a| !a.starts_with('-'));
+    measure_pairs();
+    if std::env::args().any(|a| a == "pairs") {
+        return;
+    }
     let mut volumes = vec![
         volume("shell", [EDGE; 3], shell()),
         volume("noise", [EDGE; 3], noise(1)),
@@ -65,6 +71,42 @@ fn main() {
         println!(
             "{:<24} preprocessing at 4 and at 8: {both:.1} ms",
             volume.name
+        );
+    }
+}
+
+/// Pre-integration of small and large tables, over data that use all of them.
+fn measure_pairs() {
+    let bytes = volume("bytes", [2, 1, 1], vec![0, 255]);
+    let words = Volume {
+        voxels: Voxels::U16(vec![0, 65_535].into()),
+        ..volume("words", [2, 1, 1], vec![0, 255])
+    };
+    for (volume, range, entries) in [
+        (&bytes, [0.0, 255.0], 256),
+        (&words, [0.0, 65_535.0], 4096),
+        (&words, [0.0, 65_535.0], 65_536),
+    ] {
+        let point = |share: f64, opacity, color| ControlPoint {
+            value: share * range[1],
+            opacity,
+            color,
+        };
+        let points = vec![
+            point(0.1, 0.0, [0.9, 0.6, 0.4]),
+            point(0.6, 0.3, [0.4, 0.6, 0.9]),
+            point(1.0, 0.9, [1.0, 0.9, 0.8]),
+        ];
+        let function = TransferFunction::new(points, 1.0).expect("points ascend");
+        let domain = Domain::new(volume, range, entries).expect("a table size");
+        let table = function.bake(&domain, 0.5);
+        let made = PreIntegrated::new(&table, range);
+        let ms = median(|| {
+            black_box(PreIntegrated::new(&table, range));
+        });
+        println!(
+            "pre-integrating {entries:>5} entries: {:>3} squared pairs, {ms:.1} ms",
+            made.nodes().rgba().len()
         );
     }
 }

@@ -26,10 +26,14 @@ struct Fragment {
 
 fn fragment_of(corner: Corner) -> Fragment {
     let l = line_through(vec2u(corner.position.xy));
-    let local = l.start + (corner.depth - view.start_depth) * l.dir;
+    let at = (l.start + (corner.depth - view.start_depth) * l.dir) * view.grid_from_local;
+    // From halfway to the slice before to halfway to the one behind.
     var ray: Ray;
+    ray.delta = view.step * l.dir * view.grid_from_local;
+    ray.entry = at - 0.5 * ray.delta;
+    ray.drawn = vec2f(0.0, 1.0);
     var state = vec4f(0.0);
-    let contributes = mode_sample(&state, sample_x(local * view.grid_from_local), 0u, ray);
+    let contributes = mode_sample(&state, sample_x(at), 0u, ray);
     return Fragment(mode_finish(state, ray), length(l.dir), contributes);
 }
 

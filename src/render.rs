@@ -17,8 +17,7 @@ use std::time::Instant;
 
 use crate::cpu::{self, CpuPlan};
 use crate::error::{Error, Result};
-use crate::lattice::RayFrame;
-use crate::mode::DepthCue;
+use crate::mode::{DepthCue, Mode};
 use crate::reference;
 use crate::sample::{Classification, Sampler};
 use crate::scene::{CountedPicture, Picture, Progress, Scene};
@@ -122,6 +121,11 @@ impl Renderer {
     /// Whether this backend has a method.
     pub fn has(&self, skip: Skip) -> bool {
         skip.check_backend(self.info.backend).is_ok()
+    }
+
+    /// Whether this backend has a mode.
+    pub fn has_mode(&self, mode: &Mode) -> bool {
+        mode.check_backend(self.info.backend).is_ok()
     }
 
     /// Methods that failed the self-check on this adapter; box is drawn in their place.
@@ -332,24 +336,8 @@ impl Renderer {
             .pairs(settings, &table, self.structures.range());
         // What says where samples show anything.
         let shown = pairs.as_ref().map_or(&table, |p| p.content.nodes());
-        let frame = RayFrame {
-            clipping: settings.clipping,
-            reach: settings.classification.reach(),
-            ..settings
-                .camera
-                .ray_frame(&volume, settings.size, settings.step_voxels)?
-        };
-        let scene = Scene {
-            volume: &volume,
-            table: &table,
-            frame: &frame,
-            sampler,
-            classification: settings.classification,
-            mode: settings.mode,
-            gradients: settings.gradients,
-            depth_cue: settings.depth_cue,
-            ert: settings.ert,
-        };
+        let frame = settings.ray_frame(&volume)?;
+        let scene = settings.scene(&volume, &table, &frame, sampler);
         self.progress.restart();
         match &mut self.backend {
             Backend::Gpu(backend) => {

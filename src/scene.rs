@@ -33,7 +33,22 @@ pub struct Scene<'a> {
     pub ert: f32,
 }
 
-impl Scene<'_> {
+impl<'a> Scene<'a> {
+    /// Emission and absorption of exact samples, classified after interpolation, along rays that never stop early.
+    pub fn new(volume: &'a Volume, table: &'a Table, frame: &'a RayFrame) -> Self {
+        Self {
+            volume,
+            table,
+            frame,
+            sampler: Sampler::Exact,
+            classification: Classification::Post,
+            mode: Mode::EmissionAbsorption,
+            gradients: Gradients::Fly,
+            depth_cue: 0.0,
+            ert: 1.0,
+        }
+    }
+
     /// The accumulated opacity at which a ray stops; infinite where it never does. Above zero: a threshold of 0 stops a
     /// ray at the first sample that shows something, and not at the first that a method happens to take.
     pub fn ert_threshold(&self) -> f64 {

@@ -1,43 +1,13 @@
 //! The command as a user meets it: exit codes, messages, reports and files.
 
+#[path = "support/command.rs"]
+mod command;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
+use command::{json, path, read_npy, succeeds};
 use serde_json::Value;
-
-/// Runs the command; no picture here needs a graphics adapter.
-fn hollowcast(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hollowcast"))
-        .args(args)
-        .env_remove("RUST_LOG")
-        .output()
-        .expect("the command can be started")
-}
-
-fn succeeds(args: &[&str]) -> String {
-    let output = hollowcast(args);
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{args:?}: {errors}");
-    String::from_utf8(output.stdout).expect("reports are UTF-8")
-}
-
-fn json(args: &[&str]) -> Value {
-    serde_json::from_str(&succeeds(args)).expect("a JSON document")
-}
-
-/// The exit code and the one line that a failing run leaves on stderr.
-fn fails(args: &[&str]) -> (i32, String) {
-    let output = hollowcast(args);
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(errors.lines().count(), 1, "{args:?}: {errors}");
-    assert!(output.stdout.is_empty(), "{args:?}");
-    (output.status.code().expect("it was not killed"), errors)
-}
-
-fn path(folder: &Path, name: &str) -> String {
-    folder.join(name).to_str().expect("UTF-8").to_owned()
-}
 
 const SMALL: [&str; 6] = ["--size", "24x16", "--backend", "reference", "--step", "1"];
 
@@ -46,172 +16,6 @@ fn render(volume: &str, output: &str, more: &[&str]) -> Value {
     args.extend(SMALL);
     args.extend(more);
     json(&args)
-}
-
-/// Shape and numbers of an array file of f32.
-fn read_npy(path: &str) -> (String, Vec<f32>) {
-    let bytes = fs::read(path).unwrap();
-    let start = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
-    let header = String::from_utf8(bytes[10..start].to_vec()).unwrap();
-    let numbers = bytes[start..]
-        .chunks_exact(4)
-        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-        .collect();
-    (header, numbers)
-}
-
-#[test]
-fn bad_input_is_answered_in_one_line_that_names_it_and_with_2() {
-    let folder = tempfile::tempdir().unwrap();
-    let picture = path(folder.path(), "p.png");
-    let nonsense = path(folder.path(), "nonsense.nrrd");
-    fs::write(&nonsense, "this is no volume").unwrap();
-    let empty = path(folder.path(), "empty.toml");
-    fs::write(&empty, "points = []").unwrap();
-    let into = |volume, more: &[&str]| -> (i32, String) {
-        let mut args = vec!["render", volume, "-o", &picture, "--backend", "reference"];
-        args.extend(more);
-        fails(&args)
-    };
-    let sphere = "phantom:sphere:8";
-    let mode = |name, more: &[&str]| into(sphere, &[&["--mode", name], more].concat());
-    for ((code, error), named) in [
-        (into("no such file.nrrd", &[]), "no such file.nrrd"),
-        (into(&nonsense, &[]), "nonsense.nrrd"),
-        (into("phantom:cube:8", &[]), "menger"),
-        (into(sphere, &["--method", "guess"]), "half-split"),
-        (into(sphere, &["--mode", "guess"]), "emission-absorption"),
-        (mode("mip", &["--window", "5:5"]), "window"),
-        (mode("mip", &["--window", "5"]), "LOW:HIGH"),
-        (mode("mip", &["--iso", "5"]), "--iso"),
-        (mode("phong", &["--light", "0,0,0"]), "light"),
-        (mode("phong", &["--light", "up"]), "headlight"),
-        (mode("phong", &["--shininess", "0"]), "shininess"),
-        (mode("phong", &["--iso", "nan"]), "iso"),
-        (
-            mode("two-surfaces", &["--iso", "90", "--iso2", "50"]),
-            "iso2",
-        ),
-        (
-            fails(&["render", sphere, "--backend", "cpu", "--mode", "phong"]),
-            "emission-absorption",
-        ),
-        (into(sphere, &["--clip-box", "5:4,:,:"]), "FROM below TO"),
-        (into(sphere, &["--clip-plane", "1,0,0"]), "four numbers"),
-        (into(sphere, &["--clip-plane", "0,0,0,5"]), "clip plane"),
-        (into(sphere, &["--sampler", "guess"]), "exact"),
-        (
-            fails(&["render", sphere, "--backend", "guess"]),
-            "reference",
-        ),
-        (into(sphere, &["--tf", "guess"]), "translucent"),
-        (into(sphere, &["--tf", &empty]), "points"),
-        (into(sphere, &["--slices", "5"]), "--renderer slices"),
-        (into(sphere, &["--renderer", "slices"]), "gpu"),
-        (into(sphere, &["--block", "5"]), "16"),
-        (into(sphere, &["--table-size", "5"]), "4096"),
-        (into(sphere, &["--step", "0"]), "--step"),
-        (into(sphere, &["--camera", "tilt=3"]), "tilt"),
-        (into(sphere, &["--crop", "0:9,:,:"]), "crop"),
-        (into(sphere, &["--dims", "8x8x8"]), "--type"),
-        (fails(&["render", sphere, "-o", "p.jpg"]), ".exr"),
-        (fails(&["phantom", "sphere", "8", "-o", "p.png"]), ".nrrd"),
-        (
-            fails(&["compare", sphere, "--methods", "box,guess"]),
-            "hull",
-        ),
-        (fails(&["guess"]), "guess"),
-    ] {
-        assert_eq!(code, 2, "{error}");
-        assert!(error.contains(named), "{named:?} is not in: {error}");
-        assert!(error.starts_with("error: "), "{error}");
-    }
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
-}
-
-#[test]
-fn clipping_follows_voxels_and_tells_where_nothing_is_left() {
-    let folder = tempfile::tempdir().unwrap();
-    let picture = path(folder.path(), "p.npy");
-    let draw = |more: &[&str]| {
-        let mut args = vec![
-            "render",
-            "phantom:full:12",
-            "-o",
-            &picture,
-            "--tf",
-            "opaque",
-        ];
-        args.extend(["--camera", "eye=6,6,-50;target=6,6,6;up=0,1,0;ortho=16"]);
-        args.extend(SMALL);
-        args.extend(more);
-        let output = hollowcast(&args);
-        assert!(output.status.success());
-        let (_, numbers) = read_npy(&picture);
-        let seen = numbers.chunks_exact(4).filter(|p| p[3] > 0.0).count();
-        (seen, String::from_utf8_lossy(&output.stderr).into_owned())
-    };
-    // 12 voxels are 12 of 16 pixels high.
-    assert_eq!(draw(&[]), (144, String::new()));
-    assert_eq!(draw(&["--clip-box", "3:,:6,:"]), (9 * 6, String::new()));
-    let plane = ["--clip-plane", "0,-1,0,-4"];
-    assert_eq!(draw(&plane), (12 * 4, String::new()));
-    let (seen, errors) = draw(&["--clip-box", ":,:,:5", "--clip-plane", "0,0,1,6"]);
-    assert_eq!(seen, 0);
-    assert!(errors.starts_with("warning: ") && errors.lines().count() == 1);
-}
-
-#[test]
-fn what_shows_nothing_is_an_empty_picture_and_a_warning() {
-    let folder = tempfile::tempdir().unwrap();
-    let picture = path(folder.path(), "p.npy");
-    for (flags, warning) in [
-        (["--mode", "phong", "--iso", "300"], "iso 300"),
-        (["--mode", "mip", "--window", "300:400"], "window 300:400"),
-        (["--mode", "minip", "--window", "-9:0"], "window -9:0"),
-        (
-            ["--mode", "shaded", "--tf", "ramp:300:400:0.5"],
-            "the transfer function",
-        ),
-    ] {
-        let mut args = vec!["render", "phantom:sphere:12", "-o", &picture];
-        args.extend(flags);
-        args.extend(SMALL);
-        let output = hollowcast(&args);
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{errors}");
-        assert!(
-            errors.starts_with(&format!("warning: {warning}")) && errors.lines().count() == 1,
-            "{errors}"
-        );
-        let (_, numbers) = read_npy(&picture);
-        assert!(numbers.iter().all(|&n| n == 0.0));
-    }
-}
-
-#[test]
-#[cfg(target_os = "linux")]
-fn a_missing_adapter_is_a_failure_and_not_the_users_fault() {
-    let folder = tempfile::tempdir().unwrap();
-    let picture = path(folder.path(), "p.png");
-    fs::write(&picture, "older").unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_hollowcast"))
-        .args([
-            "render",
-            "phantom:sphere:8",
-            "--backend",
-            "gpu",
-            "-o",
-            &picture,
-        ])
-        .env("VK_DRIVER_FILES", "/none")
-        .env("VK_ICD_FILENAMES", "/none")
-        .output()
-        .unwrap();
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1), "{errors}");
-    assert_eq!(errors.lines().count(), 1, "{errors}");
-    assert_eq!(fs::read_to_string(&picture).unwrap(), "older");
 }
 
 #[test]
@@ -507,20 +311,4 @@ fn the_demo_writes_its_pictures_and_prints_its_table() {
         let width = methods.len() as u32 * 44 - 4;
         assert_eq!(reader.info().width, width, "{name}");
     }
-}
-
-#[test]
-fn a_picture_never_replaces_the_volume_that_it_shows() {
-    let folder = tempfile::tempdir().unwrap();
-    let volume = path(folder.path(), "scan.png");
-    fs::copy(
-        concat!(env!("CARGO_MANIFEST_DIR"), "/data/stent.nrrd"),
-        &volume,
-    )
-    .unwrap();
-    let before = fs::read(&volume).unwrap();
-    let (code, error) = fails(&["render", &volume, "-o", &volume]);
-    assert_eq!(code, 2);
-    assert!(error.contains("the volume itself"), "{error}");
-    assert_eq!(fs::read(&volume).unwrap(), before);
 }

@@ -1,55 +1,18 @@
 //! The GPU backend: bit-identity of skipping, nearness to the f64 reference, and the paths that large pictures and
 //! small steps take. These tests fail, not skip, where there is no adapter.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+mod support;
+
+use std::sync::Arc;
 
 use hollowcast::camera::{Camera, Orbit, Projection};
 use hollowcast::measure::verify::{self, Verifier, View};
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::Sampler;
-use hollowcast::scene::Picture;
 use hollowcast::skip::{Cuts, HalfCut, METHODS, Skip, SlabCount};
 use hollowcast::transfer::{ControlPoint, TransferFunction};
 use hollowcast::volume::{Volume, Voxels, phantom};
-
-/// One renderer for all tests: devices are dear on a software driver.
-fn renderer() -> MutexGuard<'static, Renderer> {
-    static RENDERER: Mutex<Option<&'static Mutex<Renderer>>> = Mutex::new(None);
-    let mut slot = RENDERER.lock().unwrap_or_else(PoisonError::into_inner);
-    let renderer = slot.get_or_insert_with(|| {
-        let renderer = Renderer::new(BackendChoice::Gpu)
-            .expect("these tests need an adapter: mesa-vulkan-drivers");
-        Box::leak(Box::new(Mutex::new(renderer)))
-    });
-    renderer.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn ramp(low: f64, high: f64, opacity: f64) -> TransferFunction {
-    let point = |value, opacity, color| ControlPoint {
-        value,
-        opacity,
-        color,
-    };
-    TransferFunction::new(
-        vec![
-            point(low, 0.0, [0.9, 0.6, 0.4]),
-            point(high, opacity, [1.0, 0.9, 0.8]),
-        ],
-        1.0,
-    )
-    .unwrap()
-}
-
-fn settings(volume: &Volume, skip: Skip, sampler: Sampler) -> Settings {
-    Settings {
-        skip,
-        sampler: Some(sampler),
-        ert: 1.0,
-        size: [96, 96],
-        table_entries: 256,
-        ..Settings::new(Orbit::default().camera(volume.extent()))
-    }
-}
+use support::{nearness, outside, ramp, renderer};
 
 /// The lossless methods of the GPU.
 fn lossless() -> impl Iterator<Item = Skip> {
@@ -57,20 +20,6 @@ fn lossless() -> impl Iterator<Item = Skip> {
     methods
         .filter(|m| m.lossless && m.backends.contains(&"gpu"))
         .map(|m| m.skip)
-}
-
-fn psnr(a: &Picture, b: &Picture) -> (f64, f64) {
-    let mut squares = 0.0;
-    let mut max_abs = 0.0_f64;
-    for (x, y) in a.rgba.iter().flatten().zip(b.rgba.iter().flatten()) {
-        let d = f64::from(x - y);
-        squares += d * d;
-        max_abs = max_abs.max(d.abs());
-    }
-    (
-        -10.0 * (squares / (a.rgba.len() * 4) as f64).log10(),
-        max_abs,
-    )
 }
 
 #[test]
@@ -165,7 +114,7 @@ fn a_segment_list_that_overflows_marches_to_the_last_exit() {
     });
     renderer.set_volume(Arc::clone(&volume)).unwrap();
     renderer.set_transfer(ramp(40.0, 255.0, 0.01));
-    let mut settings = settings(&volume, Skip::Box, Sampler::Exact);
+    let mut settings = outside(&volume, Skip::Box, Sampler::Exact);
     settings.block = 2;
     settings.size = [16, 16];
     settings.camera = Camera {
@@ -195,16 +144,16 @@ fn lossy_methods_lose_thin_walls_and_little_of_smooth_ones() {
             r.set_volume(Arc::clone(&volume)).unwrap();
             r.set_transfer(ramp(40.0, 255.0, 0.3));
         }
-        let mut settings = settings(&volume, Skip::Box, Sampler::Exact);
+        let mut settings = outside(&volume, Skip::Box, Sampler::Exact);
         settings.step_voxels = step_voxels;
         settings.size = [48, 48];
         let by_box = renderer.render(&settings).unwrap().picture;
         settings.skip = skip;
         let lossy = renderer.render(&settings).unwrap().picture;
         // The reference loses the same.
-        let (db, _) = psnr(&lossy, &reference.render(&settings).unwrap().picture);
+        let (db, _) = nearness(&lossy, &reference.render(&settings).unwrap().picture);
         assert!(db > 50.0, "{name}, {skip:?}: {db} dB");
-        psnr(&lossy, &by_box)
+        nearness(&lossy, &by_box)
     };
     let thin = worst("thin", Skip::TwoStep, 0.5);
     let smooth = worst("capsules", Skip::TwoStep, 0.2);
@@ -230,7 +179,7 @@ fn better_cuts_take_fewer_samples_of_cavities_off_centre() {
     renderer.set_volume(Arc::clone(&volume)).unwrap();
     renderer.set_transfer(ramp(40.0, 255.0, 0.3));
     let mut samples = |skip, half| {
-        let mut settings = settings(&volume, skip, Sampler::Exact);
+        let mut settings = outside(&volume, skip, Sampler::Exact);
         settings.block = 4;
         settings.cuts.half = half;
         settings.camera = Orbit {
@@ -261,11 +210,11 @@ fn exact_sampling_is_within_two_255ths_and_60_db_of_the_reference() {
             r.set_transfer(transfer.clone());
         }
         for view in View::ALL {
-            let mut settings = settings(&volume, Skip::HalfSplit, Sampler::Exact);
+            let mut settings = outside(&volume, Skip::HalfSplit, Sampler::Exact);
             settings.camera = view.camera(&volume, &transfer, false);
             let ours = renderer.render(&settings).unwrap().picture;
             let truth = reference.render(&settings).unwrap().picture;
-            let (db, max_abs) = psnr(&ours, &truth);
+            let (db, max_abs) = nearness(&ours, &truth);
             assert!(
                 db >= 60.0 && max_abs <= 2.0 / 255.0,
                 "{name} {view:?}: {db} dB, {max_abs}"
@@ -284,7 +233,7 @@ fn counting_changes_no_bit_and_counts_what_the_reference_counts() {
         r.set_transfer(ramp(40.0, 255.0, 0.3));
     }
     for method in METHODS.iter().filter(|m| m.backends.contains(&"gpu")) {
-        let settings = settings(&volume, method.skip, Sampler::Exact);
+        let settings = outside(&volume, method.skip, Sampler::Exact);
         let drawn = renderer.render(&settings).unwrap().picture;
         let counted = renderer.count(&settings).unwrap();
         assert_eq!(
@@ -344,7 +293,7 @@ fn a_picture_in_many_dispatches_is_that_of_one() {
         )
         .unwrap(),
     );
-    let mut settings = settings(&volume, Skip::Box, Sampler::Exact);
+    let mut settings = outside(&volume, Skip::Box, Sampler::Exact);
     settings.size = [8, 8];
     settings.camera = Camera {
         eye: volume.extent() * 0.5 - glam::DVec3::X * 100.0,
@@ -381,7 +330,7 @@ fn a_picture_in_pieces_is_bit_identical_for_every_method() {
     let volume = Arc::new(phantom::make("shells", [32; 3]).unwrap());
     renderer.set_volume(Arc::clone(&volume)).unwrap();
     renderer.set_transfer(ramp(40.0, 255.0, 0.3));
-    let mut settings = settings(&volume, Skip::Box, Sampler::Hardware);
+    let mut settings = outside(&volume, Skip::Box, Sampler::Hardware);
     settings.size = [2100, 40];
     settings.step_voxels = 2.0;
     let wide = renderer.render(&settings).unwrap().picture;
@@ -399,121 +348,5 @@ fn a_picture_in_pieces_is_bit_identical_for_every_method() {
             0,
             "{skip:?}"
         );
-    }
-}
-
-#[test]
-fn signed_wide_and_float_voxels_show_the_same_picture_as_bytes() {
-    let mut renderer = renderer();
-    let bytes = phantom::make("pot", [40; 3]).unwrap();
-    let Voxels::U8(v) = &bytes.voxels else {
-        panic!("phantoms are bytes")
-    };
-    let like = |voxels| Volume {
-        name: "pot".to_owned(),
-        voxels,
-        warnings: Vec::new(),
-        dims: bytes.dims,
-        spacing: bytes.spacing,
-        origin: bytes.origin,
-        direction: bytes.direction,
-        rescale: bytes.rescale,
-    };
-    let volumes = [
-        (like(Voxels::U8(v.to_vec().into())), ramp(40.0, 255.0, 0.3)),
-        (
-            like(Voxels::I8(
-                v.iter()
-                    .map(|&b| (i16::from(b) - 128) as i8)
-                    .collect::<Vec<_>>()
-                    .into(),
-            )),
-            ramp(-88.0, 127.0, 0.3),
-        ),
-        (
-            like(Voxels::U16(
-                v.iter()
-                    .map(|&b| u16::from(b) * 257)
-                    .collect::<Vec<_>>()
-                    .into(),
-            )),
-            ramp(40.0 * 257.0, 65535.0, 0.3),
-        ),
-        (
-            like(Voxels::I16(
-                v.iter()
-                    .map(|&b| (i32::from(b) * 257 - 32768) as i16)
-                    .collect::<Vec<_>>()
-                    .into(),
-            )),
-            ramp(40.0 * 257.0 - 32768.0, 32767.0, 0.3),
-        ),
-        (
-            like(Voxels::F32(
-                v.iter()
-                    .map(|&b| f32::from(b) / 255.0)
-                    .collect::<Vec<_>>()
-                    .into(),
-            )),
-            ramp(40.0 / 255.0, 1.0, 0.3),
-        ),
-    ];
-    let mut pictures = Vec::new();
-    for (volume, transfer) in volumes {
-        let volume = Arc::new(volume);
-        renderer.set_volume(Arc::clone(&volume)).unwrap();
-        renderer.set_transfer(transfer);
-        for entries in [256, 65536] {
-            let mut settings = settings(&volume, Skip::Box, Sampler::Exact);
-            settings.table_entries = entries;
-            let picture = renderer.render(&settings).unwrap().picture;
-            settings.skip = Skip::HalfSplit;
-            assert_eq!(
-                renderer
-                    .render(&settings)
-                    .unwrap()
-                    .picture
-                    .difference(&picture)
-                    .pixels,
-                0
-            );
-            pictures.push(picture);
-        }
-    }
-    assert!(pictures[0].rgba.iter().any(|p| p[3] > 0.5));
-    for picture in &pictures[1..] {
-        let (db, _) = psnr(picture, &pictures[0]);
-        assert!(db > 55.0, "{db} dB");
-    }
-}
-
-#[test]
-fn a_background_at_the_threshold_stays_invisible_far_up_in_16_bits() {
-    // Unorm conversion rounds by more, the larger the stored number; the snap must reach as far.
-    let mut renderer = renderer();
-    let bytes = phantom::make("shells", [40; 3]).unwrap();
-    let Voxels::U8(v) = &bytes.voxels else {
-        panic!("phantoms are bytes")
-    };
-    let voxels: Vec<u16> = v.iter().map(|&b| 60_000 + u16::from(b) / 2).collect();
-    let volume = Arc::new(Volume {
-        voxels: Voxels::U16(voxels.into()),
-        ..bytes
-    });
-    renderer.set_volume(Arc::clone(&volume)).unwrap();
-    for threshold in [60_000.0, 60_010.0, 60_033.0] {
-        renderer.set_transfer(ramp(threshold, 60_127.0, 0.3));
-        for sampler in Sampler::ALL {
-            for entries in [256, 4096] {
-                let mut settings = settings(&volume, Skip::Box, *sampler);
-                settings.table_entries = entries;
-                settings.block = 4;
-                let counted = renderer.count(&settings).unwrap();
-                settings.skip = Skip::Hull;
-                let skipped = renderer.count(&settings).unwrap();
-                assert_eq!(counted.picture.difference(&skipped.picture).pixels, 0);
-                assert_eq!(counted.counters.contributing, skipped.counters.contributing);
-            }
-        }
     }
 }

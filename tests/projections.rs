@@ -5,13 +5,41 @@ mod support;
 use std::sync::Arc;
 
 use glam::DVec3;
-use hollowcast::camera::{Camera, Projection};
 use hollowcast::mode::{Lighting, Mode, Outer, Window};
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::Sampler;
 use hollowcast::skip::{METHODS, Skip};
 use hollowcast::volume::{Voxels, phantom};
-use support::{has, renderer, settings, show, stack};
+use support::{along, renderer, settings, show, stack};
+
+/// A red veil at 100 before a surface at `iso`, lit by a quarter of ambient light and so much from the eye.
+fn two_surfaces(iso: f64, color: [f64; 3], diffuse: f64) -> Mode {
+    Mode::TwoSurfaces {
+        outer: Outer {
+            iso: 100.0,
+            color: [1.0, 0.0, 0.0],
+            opacity: 0.25,
+        },
+        iso,
+        color,
+        lighting: Lighting {
+            ambient: 0.25,
+            diffuse,
+            specular: 0.0,
+            ..Lighting::default()
+        },
+    }
+}
+
+fn between(low: f64, high: f64) -> Window {
+    Window { low, high }
+}
+
+/// Whether every channel is as expected.
+fn is_near(pixel: [f32; 4], expected: [f64; 4], tolerance: f64) -> bool {
+    let mut channels = pixel.into_iter().zip(expected);
+    channels.all(|(a, b)| (f64::from(a) - b).abs() < tolerance)
+}
 
 #[test]
 fn projections_of_a_stack_have_a_closed_form() {
@@ -20,41 +48,15 @@ fn projections_of_a_stack_have_a_closed_form() {
     let mut cpu = Renderer::new(BackendChoice::Cpu).unwrap();
     let volume = stack(&[40, 140, 240, 90]);
     show([&mut *renderer, &mut cpu, &mut reference], &volume);
-    let middle = volume.extent() * 0.5;
-    let camera = Camera {
-        eye: middle - DVec3::Z * 100.0,
-        target: middle,
-        up: DVec3::Y,
-        projection: Projection::Orthographic { height: 12.0 },
-    };
-    let window = Window {
-        low: 40.0,
-        high: 290.0,
-    };
+    let camera = along(&volume, DVec3::Z, 12.0);
+    let window = between(40.0, 290.0);
     let v = |value: f64| (value - 40.0) / 250.0;
     // Where nothing is above the window, nothing contributes.
-    let over = Window {
-        low: 240.0,
-        high: 290.0,
-    };
+    let over = between(240.0, 290.0);
     // Between the layers the field is linear and sampled symmetrically: the mean is that of the layers.
     let mean = (v(40.0) + v(140.0) + v(240.0) + v(90.0)) / 4.0;
     // The first layers over the surface; the inner one lies behind.
-    let two = Mode::TwoSurfaces {
-        outer: Outer {
-            iso: 100.0,
-            color: [1.0, 0.0, 0.0],
-            opacity: 0.25,
-        },
-        iso: 200.0,
-        color: [0.0, 1.0, 1.0],
-        lighting: Lighting {
-            ambient: 0.25,
-            diffuse: 0.5,
-            specular: 0.0,
-            ..Lighting::default()
-        },
-    };
+    let two = two_surfaces(200.0, [0.0, 1.0, 1.0], 0.5);
     let lit = 0.75 * 0.75;
     let expected = [
         (Mode::Mip(window), [v(240.0); 4]),
@@ -69,7 +71,7 @@ fn projections_of_a_stack_have_a_closed_form() {
     for renderer in [&mut *renderer, &mut cpu, &mut reference] {
         for method in METHODS.iter().filter(|m| m.lossless) {
             for (mode, expected) in &expected {
-                if !renderer.has(method.skip) || !has(renderer, mode) {
+                if !renderer.has(method.skip) || !renderer.has_mode(mode) {
                     continue;
                 }
                 let picture = renderer.render(&Settings {
@@ -78,13 +80,9 @@ fn projections_of_a_stack_have_a_closed_form() {
                     size: [8, 8],
                     ..settings(*mode, camera)
                 });
-                let pixel = picture.unwrap().picture.rgba[27].map(f64::from);
-                let is_near = pixel
-                    .iter()
-                    .zip(expected)
-                    .all(|(a, b)| (a - b).abs() < 1e-4);
+                let pixel = picture.unwrap().picture.rgba[27];
                 assert!(
-                    is_near,
+                    is_near(pixel, *expected, 1e-4),
                     "{} {} {mode:?}: {pixel:?}, not {expected:?}",
                     renderer.info().backend,
                     method.name
@@ -100,17 +98,8 @@ fn grey_of_homogeneous_matter_has_the_opacity_of_its_chord_at_any_step() {
     let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
     let volume = stack(&[30]);
     show([&mut *renderer, &mut reference], &volume);
-    let middle = volume.extent() * 0.5;
-    let camera = Camera {
-        eye: middle - DVec3::Z * 100.0,
-        target: middle,
-        up: DVec3::Y,
-        projection: Projection::Orthographic { height: 12.0 },
-    };
-    let window = Window {
-        low: 20.0,
-        high: 120.0,
-    };
+    let camera = along(&volume, DVec3::Z, 12.0);
+    let window = between(20.0, 120.0);
     // A tenth of the window: that opacity per voxel, over eight voxels; and that grey.
     let opacity = 1.0 - 0.9_f64.powi(8);
     let grey = 0.1 * opacity;
@@ -122,9 +111,8 @@ fn grey_of_homogeneous_matter_has_the_opacity_of_its_chord_at_any_step() {
                 ..settings(Mode::Grey(window), camera)
             });
             for pixel in picture.unwrap().picture.rgba {
-                for (channel, expected) in pixel.into_iter().zip([grey, grey, grey, opacity]) {
-                    assert!((f64::from(channel) - expected).abs() < 1e-4, "{pixel:?}");
-                }
+                let expected = [grey, grey, grey, opacity];
+                assert!(is_near(pixel, expected, 1e-4), "{pixel:?}");
             }
         }
     }
@@ -136,32 +124,9 @@ fn a_picture_in_many_dispatches_is_finished_once() {
     let mut renderer = renderer();
     let volume = Arc::new(phantom::make("full", [24; 3]).unwrap());
     show([&mut *renderer], &volume);
-    let middle = volume.extent() * 0.5;
-    let camera = Camera {
-        eye: middle - DVec3::X * 100.0,
-        target: middle,
-        up: DVec3::Z,
-        projection: Projection::Orthographic { height: 16.0 },
-    };
-    let window = Window {
-        low: 0.0,
-        high: 400.0,
-    };
-    let two = Mode::TwoSurfaces {
-        outer: Outer {
-            iso: 100.0,
-            color: [1.0, 0.0, 0.0],
-            opacity: 0.25,
-        },
-        iso: 150.0,
-        color: [0.0, 1.0, 0.0],
-        lighting: Lighting {
-            ambient: 0.25,
-            diffuse: 0.25,
-            specular: 0.0,
-            ..Lighting::default()
-        },
-    };
+    let camera = along(&volume, DVec3::X, 16.0);
+    let window = between(0.0, 400.0);
+    let two = two_surfaces(150.0, [0.0, 1.0, 0.0], 0.25);
     for (mode, expected) in [
         (Mode::Mean(window), [0.5; 4]),
         (two, [0.25, 0.375, 0.0, 1.0]),
@@ -174,11 +139,10 @@ fn a_picture_in_many_dispatches_is_finished_once() {
                 ..settings(mode, camera)
             });
             for pixel in picture.unwrap().picture.rgba {
-                let is_near = pixel
-                    .iter()
-                    .zip(expected)
-                    .all(|(a, b)| (a - b).abs() < 1e-6);
-                assert!(is_near, "{mode:?} {skip:?}: {pixel:?}, not {expected:?}");
+                assert!(
+                    is_near(pixel, expected, 1e-6),
+                    "{mode:?} {skip:?}: {pixel:?}, not {expected:?}"
+                );
             }
         }
     }
@@ -193,18 +157,9 @@ fn the_nearest_sampler_shows_voxels_as_they_are() {
         panic!("phantoms are bytes")
     };
     show([&mut *renderer, &mut reference], &volume);
-    let middle = volume.extent() * 0.5;
     // A pixel per voxel, seen along z; x runs to the left.
-    let camera = Camera {
-        eye: middle - DVec3::Z * 100.0,
-        target: middle,
-        up: DVec3::Y,
-        projection: Projection::Orthographic { height: 8.0 },
-    };
-    let window = Window {
-        low: 0.0,
-        high: 255.0,
-    };
+    let camera = along(&volume, DVec3::Z, 8.0);
+    let window = between(0.0, 255.0);
     for renderer in [&mut *renderer, &mut reference] {
         for skip in [Skip::Box, Skip::HalfSplit] {
             let picture = renderer.render(&Settings {
@@ -226,51 +181,49 @@ fn the_nearest_sampler_shows_voxels_as_they_are() {
 #[test]
 fn a_ray_leaves_out_blocks_that_lie_no_higher_than_what_it_has_seen() {
     let mut renderer = renderer();
+    let mut cpu = Renderer::new(BackendChoice::Cpu).unwrap();
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
     // Behind the bright layer there is nothing to gain; before it there is.
     let volume = stack(&[90, 240, 140, 140, 140]);
-    show([&mut *renderer], &volume);
-    let middle = volume.extent() * 0.5;
-    let camera = |eye: DVec3| Camera {
-        eye,
-        target: middle,
-        up: DVec3::Y,
-        projection: Projection::Orthographic { height: 12.0 },
-    };
-    let window = Window {
-        low: 40.0,
-        high: 290.0,
-    };
-    let low_to_high = Window {
-        low: 0.0,
-        high: 150.0,
-    };
-    let behind = middle - DVec3::Z * 100.0;
-    let before = middle + DVec3::Z * 100.0;
-    for skip in [Skip::DistanceMap, Skip::GridDda, Skip::OctreeEncoded] {
-        let mut samples = |mode, eye| {
-            let settings = Settings {
-                skip,
-                size: [8, 8],
-                step_voxels: 0.5,
-                ..settings(mode, camera(eye))
+    show([&mut *renderer, &mut cpu, &mut reference], &volume);
+    let (forward, backward) = (
+        along(&volume, DVec3::Z, 12.0),
+        along(&volume, -DVec3::Z, 12.0),
+    );
+    for renderer in [&mut *renderer, &mut cpu, &mut reference] {
+        for method in METHODS.iter().filter(|m| m.skip.reads_majorants()) {
+            if !renderer.has(method.skip) {
+                continue;
+            }
+            let mut samples = |mode, camera| {
+                let settings = Settings {
+                    skip: method.skip,
+                    size: [8, 8],
+                    step_voxels: 0.5,
+                    ..settings(mode, camera)
+                };
+                let by_box = renderer.count(&Settings {
+                    skip: Skip::Box,
+                    ..settings
+                });
+                let (by_box, counted) = (by_box.unwrap(), renderer.count(&settings).unwrap());
+                assert_eq!(counted.picture.difference(&by_box.picture).pixels, 0);
+                assert_eq!(counted.counters.contributing, by_box.counters.contributing);
+                [counted, by_box].map(|c| c.counters.samples as f64 / 64.0)
             };
-            let by_box = renderer.count(&Settings {
-                skip: Skip::Box,
-                ..settings
-            });
-            let (by_box, counted) = (by_box.unwrap(), renderer.count(&settings).unwrap());
-            assert_eq!(counted.picture.difference(&by_box.picture).pixels, 0);
-            assert_eq!(counted.counters.contributing, by_box.counters.contributing);
-            [counted, by_box].map(|c| c.counters.samples as f64 / 64.0)
-        };
-        // Five layers of 8 voxels, two samples a voxel; blocks of 4 beside a layer know of it.
-        let [few, all] = samples(Mode::Mip(window), behind);
-        assert!(all > 79.0 && few < 45.0, "{skip:?}: {few} of {all}");
-        let [few, all] = samples(Mode::Mip(window), before);
-        // All is as high as what was seen or higher, but for one block of the last layer.
-        assert!(few > 70.0 && few < 75.0, "{skip:?}: {few} of {all}");
-        // The darkest layer comes first: nothing behind it is darker.
-        let [few, all] = samples(Mode::Minip(low_to_high), behind);
-        assert!(few < 0.4 * all, "{skip:?}: {few} of {all}");
+            let name = method.name;
+            // Five layers of 8 voxels, two samples a voxel; blocks of 4 beside a layer know of it.
+            let [few, all] = samples(Mode::Mip(between(40.0, 290.0)), forward);
+            assert!(all > 79.0 && few < 45.0, "{name}: {few} of {all}");
+            let [few, all] = samples(Mode::Mip(between(40.0, 290.0)), backward);
+            // All is as high as what was seen or higher, but for one block of the last layer.
+            assert!(few > 70.0 && few < 75.0, "{name}: {few} of {all}");
+            // The darkest layer comes first: nothing behind it is darker.
+            let [few, all] = samples(Mode::Minip(between(0.0, 150.0)), forward);
+            assert!(few < 0.4 * all, "{name}: {few} of {all}");
+            // Another window has other bounds than those that were kept: the bright layer ends the ray.
+            let [few, all] = samples(Mode::Mip(between(40.0, 240.0)), backward);
+            assert!(few > 45.0 && few < 55.0, "{name}: {few} of {all}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Real scans: skipping changes no bit on any backend, and both fast backends are near the f64 reference.
 //!
-//! The two scans that ship with the project are always tried. Those of the folder in `HOLLOWCAST_DATA` are in tests that
+//! The large scans that ship with the project are always tried. Those of the folder in `HOLLOWCAST_DATA` are in tests that
 //! are ignored unless asked for; `scripts/test.sh` asks for them where the folder is named.
 
 use std::path::{Path, PathBuf};

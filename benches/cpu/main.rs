@@ -20,7 +20,7 @@ use hollowcast::measure::statistics::line_through;
 use hollowcast::mode::Mode;
 use hollowcast::octree::{Accelerator, Occupancy};
 use hollowcast::output::chart::{Chart, Line, Panel};
-use hollowcast::sample::{Classification, Gradients, Sampler};
+use hollowcast::sample::Sampler;
 use hollowcast::scene::Scene;
 use hollowcast::skip::Skip;
 use hollowcast::transfer::{ControlPoint, Domain, Table, TransferFunction};
@@ -340,15 +340,8 @@ fn limit_panel(volume: &Volume, mut panel: Panel) -> Panel {
 
 fn scene<'a>(volume: &'a Volume, table: &'a Table, frame: &'a RayFrame) -> Scene<'a> {
     Scene {
-        volume,
-        table,
-        frame,
-        sampler: Sampler::Exact,
-        classification: Classification::Post,
-        mode: Mode::EmissionAbsorption,
-        gradients: Gradients::Fly,
-        depth_cue: 0.0,
         ert: 0.98,
+        ..Scene::new(volume, table, frame)
     }
 }
 

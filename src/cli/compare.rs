@@ -8,6 +8,7 @@ use hollowcast::measure::compare::{Against, Comparison, Plan, ReferencePlan, Row
 use hollowcast::measure::machine::Machine;
 use hollowcast::mode::Mode;
 use hollowcast::render::{BackendChoice, BackendInfo, MethodChoice, Renderer, SliceCount};
+use hollowcast::sample::Classification;
 use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::TransferFunction;
 use hollowcast::volume::{Statistics, Volume};
@@ -82,7 +83,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_delimiter = ',', default_value = "8", value_parser = scene_args::block, help_heading = "Comparison")]
     pub(super) blocks: Vec<usize>,
 
-    /// Where the pictures are made
+    /// Where the pictures are made; of several, those that do not have a mode are left out of it
     #[arg(long, value_delimiter = ',', default_value = "auto", value_parser = values::named(BackendChoice::ALL, BackendChoice::name), help_heading = "Comparison")]
     backends: Vec<BackendChoice>,
 
@@ -142,6 +143,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         report::notice_fallback(choice, info);
     }
     let clipping = args.scene.clip.clipping(&volume)?;
+    let modes = drawn(modes, &renderers)?;
     let mut plan = args.plan(&volume, modes[0], &clipping, &renderers);
     let mut comparisons = Vec::new();
     for mode in modes {
@@ -177,6 +179,26 @@ pub(super) fn run(args: &Args) -> Result<()> {
             super::print(&format!("\n{}\n", noisiest.unwrap_or(&first.noise).words()))
         }
     }
+}
+
+/// Those of some modes that any of the backends has. Which are left out is told on stderr.
+fn drawn(modes: Vec<Mode>, renderers: &[Renderer]) -> Result<Vec<Mode>> {
+    let (drawn, others): (Vec<Mode>, Vec<Mode>) = modes
+        .into_iter()
+        .partition(|mode| renderers.iter().any(|r| r.has_mode(mode)));
+    if drawn.is_empty() {
+        others[0].check_backend(renderers[0].info().backend)?;
+    }
+    if !others.is_empty() {
+        let names: Vec<&str> = others.iter().map(Mode::name).collect();
+        let backends: Vec<&str> = renderers.iter().map(|r| r.info().backend).collect();
+        eprintln!(
+            "note: {} left out: not on {}",
+            names.join(", "),
+            backends.join(", ")
+        );
+    }
+    Ok(drawn)
 }
 
 /// What auto chose, a line for each of its rows.
@@ -262,6 +284,11 @@ pub(super) fn heading(
 }
 
 impl Args {
+    /// Whether samples are looked up one by one in the transfer function's table, as adaptive asks.
+    fn follows_table(&self, mode: &Mode) -> bool {
+        mode.takes_table() && self.scene.classification == Classification::Post
+    }
+
     fn plan(
         &self,
         volume: &Volume,
@@ -277,6 +304,7 @@ impl Args {
                 .filter(|m| self.modes.is_empty() || (m.lossless && !m.is_limit))
                 .map(|m| m.skip)
                 .filter(|&m| renderers.iter().any(|r| r.has(m)))
+                .filter(|&m| m != Skip::Adaptive || self.follows_table(&mode))
                 .map(MethodChoice::Only)
                 .collect();
         }

@@ -8,6 +8,7 @@ use crate::lattice::Ray;
 use crate::mode::emission_absorption::State;
 use crate::skip::beam_masks::{BeamMasks, Collapse};
 use crate::skip::distance_map::DistanceMap;
+use crate::skip::{FULL, Majorants};
 use crate::transfer::lookup;
 
 /// Everything that the tiles of one picture share.
@@ -29,6 +30,8 @@ pub(super) struct Job<'a, V> {
     pub(super) skip: &'a Skipping,
     /// Cells that may be visible; `None`: all are looked at.
     pub(super) cells: Option<&'a Cells>,
+    /// What bounds the blocks of a distance map, in the modes that keep the highest place of their window.
+    pub(super) majorants: Option<&'a Majorants>,
 }
 
 /// What a plan keeps of its method.
@@ -213,10 +216,9 @@ impl<'a, P: Packet, V: Voxel, const COUNT: bool> Marcher<'a, P, V, COUNT> {
         }
     }
 
-    /// Takes all samples that the distance map does not rule out, each ray leaping on its own.
+    /// Takes all samples that the distance map and what rays have seen do not rule out, each ray leaping on its own.
     #[inline(always)]
     pub(super) fn leap(&mut self, map: &DistanceMap) {
-        let zero = P::splat(0.0);
         let one = P::splat(1.0);
         let mut k = self.ray.k_near;
         loop {
@@ -231,14 +233,19 @@ impl<'a, P: Packet, V: Voxel, const COUNT: bool> Marcher<'a, P, V, COUNT> {
                 map.block_at(2, at[2]),
             ];
             let row = P::mul_add_index(block[2].to_index(), map.dims[1], block[1].to_index());
-            let distance = P::bytes(
-                map.distances(),
-                P::mul_add_index(row, map.dims[0], block[0].to_index()),
-            );
-            let active = P::and(live, distance.lt(one));
-            let leap = map.leap(&self.ray, at, block, distance);
+            let index = P::mul_add_index(row, map.dims[0], block[0].to_index());
+            let distance = P::bytes(map.distances(), index);
+            let mut is_taken = distance.lt(one);
+            if let Some(majorants) = self.job.majorants {
+                let highest = self.state.rgba[0] * P::splat(FULL);
+                let may_add = highest.lt(P::bytes(majorants.bytes(), index));
+                is_taken = P::and(is_taken, may_add);
+            }
+            let active = P::and(live, is_taken);
+            let leap = map.leap(&self.ray, at, block, distance.max(one));
             if COUNT {
-                Tally::count(&mut self.tally.skip_steps, P::and(live, zero.lt(distance)));
+                Tally::count(&mut self.tally.skip_steps, live);
+                self.tally.skip_steps = self.tally.skip_steps - one.keep(active);
             }
             if P::any(active) {
                 let cell = self.job.grid.cell(at);
@@ -250,7 +257,7 @@ impl<'a, P: Packet, V: Voxel, const COUNT: bool> Marcher<'a, P, V, COUNT> {
                     self.sample(cell, visible, k);
                 }
             }
-            k = k + P::select(distance.lt(one), one, leap);
+            k = k + P::select(is_taken, one, leap);
         }
     }
 

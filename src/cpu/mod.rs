@@ -15,6 +15,7 @@ mod project;
 mod table;
 mod tile;
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
@@ -31,9 +32,9 @@ use crate::mode::{Mode, Parameters};
 use crate::octree::Occupancy;
 use crate::sample::Sampler;
 use crate::scene::{CountedPicture, Counters, Picture, Scene};
-use crate::skip::Skip;
 use crate::skip::beam_masks::{BeamMasks, Collapse};
 use crate::skip::distance_map::DistanceMap;
+use crate::skip::{Majorants, Skip};
 use crate::transfer::Table;
 use crate::volume::Volume;
 use crate::with_voxels;
@@ -103,6 +104,7 @@ pub struct CpuPlan {
     skipping: Skipping,
     background: Option<Background>,
     cells: Option<Cells>,
+    majorants: Option<Arc<Majorants>>,
 }
 
 impl CpuPlan {
@@ -160,7 +162,17 @@ impl CpuPlan {
             skipping,
             background,
             cells,
+            majorants: None,
         })
+    }
+
+    /// Takes what bounds the blocks of its occupancy, by which the distance map leaves out those that lie no higher than
+    /// what a ray has seen. Pictures in another mode than that of `majorants` do not read them, nor does another method.
+    pub fn set_majorants(&mut self, majorants: Option<Arc<Majorants>>) {
+        self.majorants = match &self.skipping {
+            Skipping::Distance(map) => majorants.filter(|m| m.dims() == map.dims),
+            Skipping::Box | Skipping::Layers(..) => None,
+        };
     }
 
     /// The same plan by other instructions and in tiles of another edge (pixels): for tests and measurements.
@@ -320,6 +332,10 @@ fn draw_typed<V: Voxel, O: Pixel>(
         skip: &plan.skipping,
         // Cells are of what the table shows.
         cells: plan.cells.as_ref().filter(|_| projection.is_none()),
+        majorants: plan
+            .majorants
+            .as_deref()
+            .filter(|m| m.hold_for(&scene.mode, domain)),
     };
     let edge = plan.tile as usize;
     let width = scene.frame.size[0] as usize;

@@ -165,18 +165,28 @@ mod tests {
         let classifications = ["post", "pre", "pre_integrated"];
         let mut samplers = names("sample/");
         samplers.retain(|name| !classifications.contains(name));
+        let slices = |sampler, classification, mode, blend| {
+            let choices = [
+                ("SAMPLER", sampler),
+                ("MODE", mode),
+                ("CUE", "off"),
+                ("CLASSIFICATION", classification),
+                ("BLEND", blend),
+            ];
+            compose("slices", &choices).unwrap()
+        };
         for &sampler in &samplers {
-            for mode in ["emission_absorption", "grey", "mip", "minip"] {
-                for blend in names("blend/") {
-                    let choices = [
-                        ("SAMPLER", sampler),
-                        ("MODE", mode),
-                        ("CUE", "off"),
-                        ("CLASSIFICATION", "post"),
-                        ("BLEND", blend),
-                    ];
-                    composed.push(compose("slices", &choices).unwrap());
-                }
+            for classification in classifications {
+                composed.push(slices(
+                    sampler,
+                    classification,
+                    "emission_absorption",
+                    "under",
+                ));
+            }
+            composed.push(slices(sampler, "post", "grey", "under"));
+            for mode in ["mip", "minip"] {
+                composed.push(slices(sampler, "post", mode, "highest"));
             }
         }
         let march = |skip, (sampler, classification), mode, bound, count, gradient, cue| {
@@ -207,11 +217,8 @@ mod tests {
                         }
                     }
                 }
-                // Modes with a table, and what pre has no colours for.
+                // Modes with a table.
                 for classification in ["pre", "pre_integrated"] {
-                    if classification == "pre" && sampler.starts_with("tricubic") {
-                        continue;
-                    }
                     for mode in ["emission_absorption", "shaded"] {
                         let how = (sampler, classification);
                         composed.push(march(skip, how, mode, "none", "off", "fly", "off"));

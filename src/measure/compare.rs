@@ -35,7 +35,8 @@ pub struct Plan {
     pub steps: Vec<NamedStep>,
     /// The views that every row is taken over.
     pub views: Vec<Camera>,
-    /// All other settings; skip, block, step and camera are set from the lists above.
+    /// All other settings; skip, block, step and camera are set from the lists above. A backend that does not have their mode
+    /// is left out.
     pub settings: Settings,
     /// Timed runs of every method in every view.
     pub rounds: usize,
@@ -179,6 +180,10 @@ pub fn compare(
             return Err(Error::setting(field, "must be at least one"));
         }
     }
+    let mode = &plan.settings.mode;
+    if !renderers.iter().any(|renderer| renderer.has_mode(mode)) {
+        mode.check_backend(renderers[0].info().backend)?;
+    }
     for method in &plan.methods {
         if let MethodChoice::Only(skip) = method
             && !renderers.iter().any(|renderer| renderer.has(*skip))
@@ -257,7 +262,7 @@ pub fn compare(
     Ok(comparison)
 }
 
-/// All methods on all backends that have them, and slices where they are drawn, which are no method.
+/// All methods on all backends that have them and the mode, and slices where they are drawn, which are no method.
 fn entrants(
     renderers: &mut [Renderer],
     plan: &Plan,
@@ -266,6 +271,9 @@ fn entrants(
     let mut methods = Vec::new();
     let mut entrants = Vec::new();
     for (renderer, drawing) in renderers.iter_mut().enumerate() {
+        if !drawing.has_mode(&settings.mode) {
+            continue;
+        }
         for &method in &plan.methods {
             if matches!(method, MethodChoice::Only(skip) if !drawing.has(skip)) {
                 continue;

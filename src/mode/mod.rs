@@ -100,6 +100,8 @@ pub struct ModeRow {
     pub backends: &'static [&'static str],
     /// One line for help texts.
     pub summary: &'static str,
+    /// Whether it looks samples up in the transfer function's table.
+    pub takes_table: bool,
     /// The mode with parameters that suit data of these statistics.
     pub suited_to: fn(&Statistics) -> Mode,
 }
@@ -111,6 +113,7 @@ pub const MODES: &[ModeRow] = &[
         shader: "emission_absorption",
         backends: &["gpu", "cpu", "reference"],
         summary: "colour and opacity by the transfer function, front to back",
+        takes_table: true,
         suited_to: |_| Mode::EmissionAbsorption,
     },
     ModeRow {
@@ -118,6 +121,7 @@ pub const MODES: &[ModeRow] = &[
         shader: "shaded",
         backends: &["gpu", "reference"],
         summary: "the same, lit by the gradient at each sample",
+        takes_table: true,
         suited_to: |_| Mode::Shaded(Lighting::default()),
     },
     ModeRow {
@@ -125,6 +129,7 @@ pub const MODES: &[ModeRow] = &[
         shader: "grey",
         backends: &["gpu", "reference"],
         summary: "the value itself is brightness and opacity per voxel",
+        takes_table: false,
         suited_to: |s| Mode::Grey(Window::above_background(s)),
     },
     ModeRow {
@@ -132,6 +137,7 @@ pub const MODES: &[ModeRow] = &[
         shader: "mip",
         backends: &["gpu", "cpu", "reference"],
         summary: "the highest value of each ray, as the opacity of white",
+        takes_table: false,
         suited_to: |s| Mode::Mip(Window::above_background(s)),
     },
     ModeRow {
@@ -139,6 +145,7 @@ pub const MODES: &[ModeRow] = &[
         shader: "minip",
         backends: &["gpu", "cpu", "reference"],
         summary: "the lowest value of each ray, as the opacity of black: look at it on white",
+        takes_table: false,
         suited_to: |s| Mode::Minip(Window::whole(s)),
     },
     ModeRow {
@@ -146,6 +153,7 @@ pub const MODES: &[ModeRow] = &[
         shader: "mean",
         backends: &["gpu", "cpu", "reference"],
         summary: "the mean of each ray inside the box, as the opacity of white",
+        takes_table: false,
         suited_to: |s| Mode::Mean(Window::above_background(s)),
     },
     ModeRow {
@@ -153,6 +161,7 @@ pub const MODES: &[ModeRow] = &[
         shader: "normals",
         backends: &["gpu", "reference"],
         summary: "the first surface, its normal as colour",
+        takes_table: false,
         suited_to: |s| Mode::Normals {
             iso: iso_above_background(s),
         },
@@ -162,6 +171,7 @@ pub const MODES: &[ModeRow] = &[
         shader: "phong",
         backends: &["gpu", "reference"],
         summary: "the first surface, lit",
+        takes_table: false,
         suited_to: |s| Mode::Phong {
             iso: iso_above_background(s),
             color: WARM,
@@ -173,6 +183,7 @@ pub const MODES: &[ModeRow] = &[
         shader: "two_surfaces",
         backends: &["gpu", "reference"],
         summary: "a translucent surface before a lit one",
+        takes_table: false,
         suited_to: |s| {
             let iso = iso_above_background(s);
             Mode::TwoSurfaces {
@@ -224,7 +235,7 @@ impl Mode {
 
     /// Whether it looks samples up in the transfer function's table.
     pub fn takes_table(&self) -> bool {
-        matches!(self, Self::EmissionAbsorption | Self::Shaded(_))
+        self.row().takes_table
     }
 
     /// Whether a ray keeps the highest place in the window, so that blocks that lie no higher can be left out.

@@ -83,7 +83,16 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
     }
 
     /// What is seen at a place of the picture; whole numbers are the middles of pixels.
-    pub(super) fn pixel_at(&self, [x, y]: [f64; 2]) -> Pixel {
+    pub(super) fn pixel_at(&self, place: [f64; 2]) -> Pixel {
+        self.pixel_told(place, |_, _| {})
+    }
+
+    /// The same, where `contributed` is told of every sample that contributes, and the state that it leaves.
+    pub(super) fn pixel_told(
+        &self,
+        [x, y]: [f64; 2],
+        mut contributed: impl FnMut(u32, &[f64; 4]),
+    ) -> Pixel {
         let ray = self.basis.ray(x, y);
         let mut state = [0.0; 4];
         let shows = |k: u32| {
@@ -96,7 +105,9 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
         let mut counters = Counters::default();
         let mut first_hit = f64::INFINITY;
         let mut k = 0;
-        'ray: while let Some(segment) = segments.next(k, f64::NAN) {
+        let keeps_highest = self.mode.keeps_highest();
+        let highest = |state: &[f64; 4]| if keeps_highest { state[0] } else { f64::NAN };
+        'ray: while let Some(segment) = segments.next(k, highest(&state)) {
             k = segment.end;
             let stride = segments.stride();
             for first in segment.step_by(stride as usize) {
@@ -114,6 +125,7 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
                     first_hit = ray.t_box + (k + 0.5) * self.step;
                 }
                 counters.contributing += 1;
+                contributed(first, &state);
                 if self.is_done(&state) {
                     break 'ray;
                 }
@@ -160,26 +172,31 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
         }
     }
 
-    /// The stored number of the cubic B-spline at a grid position: the weighted sum of 64 voxels.
+    /// The stored number of the cubic B-spline at a grid position.
     fn bspline(&self, at: [f64; 3]) -> f64 {
+        let mut sum = 0.0;
+        self.weigh(at, |weight, stored| sum += weight * stored);
+        sum
+    }
+
+    /// Tells `add` of the weights in the cubic B-spline at a grid position, and of the stored numbers, of its 64 voxels.
+    fn weigh(&self, at: [f64; 3], mut add: impl FnMut(f64, f64)) {
         let cells = at.map(cell);
         let weights = cells.map(|(_, f)| bspline(f));
         let voxel = |axis: usize, i: usize| {
             let last = self.dims[axis] as i64 - 1;
             (cells[axis].0 as i64 - 1 + i as i64).clamp(0, last) as usize
         };
-        let mut sum = 0.0;
         for z in 0..4 {
             for y in 0..4 {
                 let row = (voxel(2, z) * self.dims[1] + voxel(1, y)) * self.dims[0];
                 let weight = weights[2][z] * weights[1][y];
                 for (x, along_x) in weights[0].into_iter().enumerate() {
                     let stored: f64 = self.voxels[row + voxel(0, x)].into();
-                    sum += weight * along_x * stored;
+                    add(weight * along_x, stored);
                 }
             }
         }
-        sum
     }
 
     /// The gradient at a grid position, over two voxels along each axis, in table coordinates.
@@ -197,8 +214,17 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
 
     /// The colours of the voxels around a grid position, interpolated.
     fn colors_around(&self, at: [f64; 3], table: &Baked) -> [f64; 4] {
-        if self.sampler == Sampler::Nearest {
-            return table.rgba(self.sample(at));
+        match self.sampler {
+            Sampler::Nearest => return table.rgba(self.sample(at)),
+            Sampler::Tricubic | Sampler::TricubicExact => {
+                let mut sum = [0.0; 4];
+                self.weigh(at, |weight, stored| {
+                    let color = table.rgba((stored - self.origin) * self.scale);
+                    sum = std::array::from_fn(|c| sum[c] + weight * color[c]);
+                });
+                return sum;
+            }
+            Sampler::Hardware | Sampler::Exact => {}
         }
         let (corners, fractions) = self.corners(at);
         let colors =

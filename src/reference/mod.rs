@@ -65,15 +65,31 @@ pub fn render(scene: &Scene, plan: &Plan, progress: &Progress) -> Result<Counted
     })
 }
 
+/// What marching one ray takes.
+#[derive(Debug, Clone)]
+pub struct RayWork {
+    /// The work.
+    pub counters: Counters,
+    /// Of modes that keep the highest place in the window: the samples that raised it, and to what.
+    pub rises: Vec<(u32, f64)>,
+}
+
 /// The work of some pixels (column, row) of [`render`]'s picture, without drawing the others.
-pub fn work_of(scene: &Scene, plan: &Plan, pixels: &[[u32; 2]]) -> Vec<Counters> {
+pub fn work_of(scene: &Scene, plan: &Plan, pixels: &[[u32; 2]]) -> Vec<RayWork> {
     let classes = Baked::new(scene.table);
+    let keeps_highest = scene.mode.keeps_highest();
     with_voxels!(&scene.volume.voxels, voxels => {
         let marcher = Marcher::new(scene, plan, voxels, &classes);
-        pixels
-            .par_iter()
-            .map(|&[x, y]| marcher.pixel(x as usize, y as usize).counters)
-            .collect()
+        let work_of = |&[x, y]: &[u32; 2]| {
+            let mut rises = Vec::new();
+            let pixel = marcher.pixel_told([f64::from(x), f64::from(y)], |k, state| {
+                if keeps_highest {
+                    rises.push((k, state[0]));
+                }
+            });
+            RayWork { counters: pixel.counters, rises }
+        };
+        pixels.par_iter().map(work_of).collect()
     })
 }
 

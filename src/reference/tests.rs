@@ -8,7 +8,7 @@ use glam::{DMat3, DVec3, Vec3Swizzles as _};
 use crate::camera::{Camera, Projection};
 use crate::lattice::RayFrame;
 use crate::mode::Mode;
-use crate::sample::{Classification, Gradients, Sampler};
+use crate::sample::Classification;
 use crate::scene::Scene;
 use crate::transfer::{ControlPoint, Domain, Table, TransferFunction};
 use crate::volume::{Rescale, Volume, Voxels};
@@ -49,15 +49,8 @@ fn domain(volume: &Volume, entries: usize) -> Domain {
 
 fn scene<'a>(volume: &'a Volume, table: &'a Table, frame: &'a RayFrame, ert: f32) -> Scene<'a> {
     Scene {
-        volume,
-        table,
-        frame,
-        sampler: Sampler::Exact,
-        classification: Classification::Post,
-        mode: Mode::EmissionAbsorption,
-        gradients: Gradients::Fly,
-        depth_cue: 0.0,
         ert,
+        ..Scene::new(volume, table, frame)
     }
 }
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::{Settings, ms_since};
-use crate::mode::{Mode, Parameters};
+use crate::mode::Mode;
 use crate::octree::{LeafGrid, Occupancy};
 use crate::scene::Scene;
 use crate::skip::adaptive::{Gradients, Strides};
@@ -29,19 +29,20 @@ pub(super) struct BlockWords {
 }
 
 /// The mode whose majorants the settings' method reads.
-fn bounded_by(settings: &Settings) -> Option<Mode> {
+pub(super) fn bounded_by(settings: &Settings) -> Option<Mode> {
     Some(settings.mode).filter(|mode| mode.keeps_highest() && settings.skip.reads_majorants())
 }
 
 impl BlockWords {
-    /// Makes those of the settings' method over the blocks of `grid`, of which `occupancy` says which are active; `None`
-    /// where it reads none. What strides follow from is built at first use.
+    /// Makes those of the settings' method over the blocks of `grid`, of which `occupancy` says which are active and
+    /// `majorants`, where it reads them, by what they are bounded; `None` where it reads none. What strides follow from is
+    /// built at first use.
     pub(super) fn make(
         id: u64,
         settings: &Settings,
         scene: &Scene,
         table: &Arc<Table>,
-        (grid, occupancy): (&LeafGrid, &Occupancy),
+        (grid, occupancy, majorants): (&LeafGrid, &Occupancy, Option<&Majorants>),
         gradients: &mut Option<Gradients>,
     ) -> Option<Self> {
         let start = Instant::now();
@@ -52,19 +53,15 @@ impl BlockWords {
             }
             skip => skip.block_words(occupancy)?,
         };
-        let bounded = bounded_by(settings);
-        let majorants = bounded.map(|mode| {
-            let domain = table.domain();
-            let parameters = Parameters::new(&mode, domain, scene.frame.step);
-            let voxel_type = scene.volume.voxels.voxel_type();
+        let majorants = majorants.map(|majorants| {
             let first = content.len() as u32;
-            content.extend(Majorants::new(grid, voxel_type, domain, &parameters).words());
+            content.extend(majorants.words());
             first
         });
         Some(Self {
             id,
             skip: settings.skip,
-            bounded,
+            bounded: bounded_by(settings),
             table: Arc::clone(table),
             content,
             majorants,

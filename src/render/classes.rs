@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::{Settings, ms_since};
 use crate::error::{Error, Result};
-use crate::sample::{Classification, PreIntegrated, Sampler};
+use crate::sample::{Classification, PreIntegrated};
 use crate::skip::Skip;
 use crate::transfer::Table;
 
@@ -68,14 +68,6 @@ pub(super) fn check(settings: &Settings, backend: &str) -> Result<()> {
             settings.mode.name()
         );
         return Err(Error::setting("classification", reason));
-    }
-    let is_cubic = matches!(
-        settings.sampler,
-        Some(Sampler::Tricubic | Sampler::TricubicExact)
-    );
-    if classification == Classification::Pre && is_cubic {
-        let reason = "pre interpolates colours linearly: take exact, hardware or nearest";
-        return Err(Error::setting("sampler", reason));
     }
     if settings.skip == Skip::Adaptive {
         let reason = format!(

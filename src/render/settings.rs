@@ -2,13 +2,16 @@
 
 use super::{DEFAULT_BLOCK, SliceCount};
 use crate::camera::Camera;
-use crate::lattice::Clipping;
+use crate::error::Result;
+use crate::lattice::{Clipping, RayFrame};
 #[cfg(doc)]
 use crate::mode::DepthCue;
 use crate::mode::Mode;
 use crate::sample::{Classification, Gradients, Sampler};
+use crate::scene::Scene;
 use crate::skip::{Cuts, Skip};
-use crate::transfer::TABLE_SIZES;
+use crate::transfer::{TABLE_SIZES, Table};
+use crate::volume::Volume;
 
 /// Everything that is chosen for one picture besides the volume and its transfer function.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +69,40 @@ impl Settings {
             clipping: Clipping::NONE,
             table_entries: TABLE_SIZES[1],
             slices: None,
+        }
+    }
+
+    /// The rays through a volume.
+    ///
+    /// # Errors
+    /// As [`Camera::ray_frame`].
+    pub(super) fn ray_frame(&self, volume: &Volume) -> Result<RayFrame> {
+        let frame = self.camera.ray_frame(volume, self.size, self.step_voxels)?;
+        Ok(RayFrame {
+            clipping: self.clipping,
+            reach: self.classification.reach(),
+            ..frame
+        })
+    }
+
+    /// What a picture of a volume is made of along these rays, by the sampler that stands for the backend's default.
+    pub(super) fn scene<'a>(
+        &self,
+        volume: &'a Volume,
+        table: &'a Table,
+        frame: &'a RayFrame,
+        sampler: Sampler,
+    ) -> Scene<'a> {
+        Scene {
+            volume,
+            table,
+            frame,
+            sampler,
+            classification: self.classification,
+            mode: self.mode,
+            gradients: self.gradients,
+            depth_cue: self.depth_cue,
+            ert: self.ert,
         }
     }
 }

@@ -11,7 +11,6 @@ use crate::camera::Camera;
 use crate::error::{Error, Result};
 use crate::lattice::Clipping;
 use crate::mode::Mode;
-use crate::sample::Classification;
 use crate::skip::Skip;
 
 /// How many slices a picture is made of.
@@ -179,13 +178,6 @@ pub(super) fn check(settings: &Settings, backend: &str) -> Result<()> {
         return refused(
             "mode",
             format!("slices draw emission-absorption, grey, mip and minip, not {name}"),
-        );
-    }
-    if settings.classification != Classification::Post {
-        let name = settings.classification.name();
-        return refused(
-            "classification",
-            format!("slices are classified post, not {name}"),
         );
     }
     if settings.depth_cue > 0.0 {

@@ -23,7 +23,7 @@ use crate::scene::Scene;
 use crate::skip::adaptive::Gradients;
 use crate::skip::beam_masks::BeamMasks;
 use crate::skip::k_cuts::CUT_SAMPLES;
-use crate::skip::{HalfCut, Plan, Skip};
+use crate::skip::{HalfCut, Majorants, Plan, Skip};
 use crate::transfer::Table;
 
 /// Accelerators by block size and apron, each with what a table left of it.
@@ -87,15 +87,17 @@ impl Structures {
         self.cpu_box = None;
     }
 
-    /// Which blocks of the settings' size are active.
+    /// Which blocks of the settings' size are active, and what they are bounded by where the settings' method asks.
     pub(super) fn occupancy(
         &mut self,
         settings: &Settings,
         scene: &Scene,
         table: &Arc<Table>,
-    ) -> Result<&Occupancy> {
+    ) -> Result<(&Occupancy, Option<Arc<Majorants>>)> {
         let kept = self.culled(settings, scene, table)?;
-        Ok(&kept.culled.as_ref().expect("culled just above").occupancy)
+        let culled = kept.culled.as_mut().expect("culled just above");
+        let majorants = culled.majorants(settings, scene, &kept.accelerator.grid);
+        Ok((&culled.occupancy, majorants))
     }
 
     /// What the GPU backend needs for the settings' method.
@@ -125,7 +127,9 @@ impl Structures {
         }
         culled.words.retain(|w| w.hold_under(table));
         if culled.words_of(settings).is_none() {
-            let blocks = (&accelerator.grid, &culled.occupancy);
+            let grid = &accelerator.grid;
+            let majorants = culled.majorants(settings, scene, grid);
+            let blocks = (grid, &culled.occupancy, majorants.as_deref());
             let gradients = &mut kept.gradients;
             let made = BlockWords::make(words_id, settings, scene, table, blocks, gradients);
             culled.words.extend(made);
@@ -171,6 +175,7 @@ impl Structures {
         let kept = self.culled(settings, scene, table)?;
         let culled = kept.culled.as_mut().expect("culled just above");
         let (axis, planes) = culled.planes(settings, scene, cut_samples);
+        culled.majorants(settings, scene, &kept.accelerator.grid);
         let culled = &*culled;
         let mut preparation = culled.preparation(settings, &[], &kept.accelerator, kept.build_ms);
         let start = Instant::now();
@@ -181,7 +186,12 @@ impl Structures {
                 .get_or_insert_with(|| Gradients::new(scene.volume, grid));
             Plan::Adaptive(strides(gradients, grid, &culled.occupancy, scene))
         } else {
-            Plan::with_planes(settings.skip, &culled.occupancy, scene.frame, axis, planes)?
+            let occupancy = &culled.occupancy;
+            let plan = Plan::with_planes(settings.skip, occupancy, scene.frame, axis, planes)?;
+            match culled.majorants_of(settings) {
+                Some(majorants) => plan.bounded(majorants),
+                None => plan,
+            }
         };
         preparation.cull_ms += ms_since(start);
         Ok((plan, preparation))
@@ -213,22 +223,23 @@ impl Structures {
         }
         let kept = self.culled(settings, scene, table)?;
         let culled = kept.culled.as_mut().expect("culled just above");
-        if !culled
+        let majorants = culled.majorants(settings, scene, &kept.accelerator.grid);
+        let made = culled
             .cpu_plans
             .iter()
-            .any(|plan| plan.skip() == settings.skip)
-        {
+            .position(|plan| plan.skip() == settings.skip);
+        let place = if let Some(place) = made {
+            place
+        } else {
             let start = Instant::now();
             let plan = CpuPlan::new(settings.skip, scene.volume, table, &culled.occupancy)?;
             culled.cpu_plans.push(plan);
             culled.cull_ms += ms_since(start);
-        }
+            culled.cpu_plans.len() - 1
+        };
+        culled.cpu_plans[place].set_majorants(majorants);
         let culled = &*culled;
-        let plan = culled
-            .cpu_plans
-            .iter()
-            .find(|plan| plan.skip() == settings.skip);
-        let plan = plan.expect("made just above");
+        let plan = &culled.cpu_plans[place];
         let mut preparation = culled.preparation(settings, &[], &kept.accelerator, kept.build_ms);
         preparation.structure_bytes += plan.bytes() as u64;
         Ok((plan, preparation))

@@ -190,7 +190,7 @@ struct Strided<'a> {
 }
 
 impl Segments for Strided<'_> {
-    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+    fn next(&mut self, k: u32, _highest: f64) -> Option<Range<u32>> {
         let Strides { block, dims, codes } = self.strides;
         let mut k = (self.ray.k_near as u32).max(k);
         let k_end = self.ray.k_end as u32;

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::Segments;
+use super::{Bound, Segments};
 use crate::lattice::{Ray, Real};
 use crate::octree::Occupancy;
 
@@ -88,11 +88,14 @@ impl DistanceMap {
         leap(self.block, ray, at, block, distance)
     }
 
-    /// The segments of one ray.
-    pub fn segments(&self, ray: Ray<f64>) -> impl Segments + '_ {
+    /// The segments of one ray: of single samples where these are bounded by what the ray has seen, which every one can
+    /// change.
+    pub fn segments<'a>(&'a self, ray: Ray<f64>, bound: Bound<'a>) -> impl Segments + 'a {
         RaySegments {
             map: self,
+            bound,
             ray,
+            given: u32::MAX,
             steps: 0,
         }
     }
@@ -177,28 +180,39 @@ fn nearest_rows<'a>(out: &mut [u8], i: usize, n: usize, row: impl Fn(usize) -> &
 
 struct RaySegments<'a> {
     map: &'a DistanceMap,
+    bound: Bound<'a>,
     ray: Ray<f64>,
-    /// Leaps, and segments given.
+    /// One past the last sample given.
+    given: u32,
+    /// Leaps, and runs of samples given.
     steps: u32,
 }
 
 impl Segments for RaySegments<'_> {
-    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+    fn next(&mut self, k: u32, highest: f64) -> Option<Range<u32>> {
         let mut k = f64::from(k).max(self.ray.k_near);
         let mut first = None;
         while k < self.ray.k_end {
             let at = self.ray.at(k - self.ray.reach);
             let block: [f64; 3] = std::array::from_fn(|a| self.map.block_at(a, at[a]));
-            let distance = self.map.get(block.map(|b| b as usize));
+            let place = block.map(|b| b as usize);
+            let distance = self.map.get(place);
             // An interval ends where the next begins: the last one that begins in emptiness may end beyond it.
-            let free = if distance == 0 {
+            let free = if distance == 0 && self.bound.may_add(place, highest) {
                 0.0
             } else {
-                self.map.leap(&self.ray, at, block, f64::from(distance)) - 2.0 * self.ray.reach
+                let distance = f64::from(distance.max(1));
+                self.map.leap(&self.ray, at, block, distance) - 2.0 * self.ray.reach
             };
             if free == 0.0 {
                 first.get_or_insert(k as u32);
                 k += 1.0;
+                if self.bound.is_some() {
+                    let end = k as u32;
+                    self.steps += u32::from(end - 1 != self.given);
+                    self.given = end;
+                    return Some(end - 1..end);
+                }
             } else if let Some(first) = first {
                 self.steps += 1;
                 return Some(first..k as u32);
@@ -249,7 +263,7 @@ mod tests {
         fn segments_cover_what_is_active(scene in scenes()) {
             let map = DistanceMap::new(&scene.occupancy);
             for (_, ray) in scene.rays() {
-                let mut segments = map.segments(ray);
+                let mut segments = map.segments(ray, Bound::NONE);
                 let mut found = Vec::new();
                 let mut k = 0;
                 while let Some(segment) = segments.next(k, f64::NAN) {

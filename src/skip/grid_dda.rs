@@ -3,8 +3,8 @@
 
 use std::ops::Range;
 
-use super::Segments;
 use super::traversal::{Blocks, Line};
+use super::{Bound, Segments};
 use crate::octree::Occupancy;
 
 /// The walk through these blocks.
@@ -12,6 +12,8 @@ use crate::octree::Occupancy;
 pub struct GridDda<'a> {
     /// Which blocks are active.
     pub occupancy: &'a Occupancy,
+    /// Which of them are left out all the same.
+    pub bound: Bound<'a>,
 }
 
 impl<'a> GridDda<'a> {
@@ -19,6 +21,7 @@ impl<'a> GridDda<'a> {
     pub(super) fn segments(self, line: Line) -> Walk<'a> {
         Walk {
             occupancy: self.occupancy,
+            bound: self.bound,
             line,
             blocks: Blocks::new(self.occupancy, line, line.span()),
             given: line.range().start,
@@ -30,6 +33,7 @@ impl<'a> GridDda<'a> {
 /// A walk on its way.
 pub(super) struct Walk<'a> {
     occupancy: &'a Occupancy,
+    bound: Bound<'a>,
     line: Line,
     blocks: Blocks,
     /// Samples before this one have been given or left out.
@@ -39,10 +43,10 @@ pub(super) struct Walk<'a> {
 }
 
 impl Segments for Walk<'_> {
-    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+    fn next(&mut self, k: u32, highest: f64) -> Option<Range<u32>> {
         for (block, [_, leave]) in self.blocks.by_ref() {
             self.steps += 1;
-            let is_active = self.occupancy.get(block);
+            let is_active = self.occupancy.get(block) && self.bound.may_add(block, highest);
             // Samples that reach from one block into the next are the active one's.
             let reach = self.line.reach();
             let reach = if is_active { reach } else { -reach };

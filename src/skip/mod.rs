@@ -27,8 +27,8 @@ pub use grid_dda::GridDda;
 pub use half_split::HalfSplit;
 pub use hull::Hull;
 pub use k_cuts::{Cuts, HalfCut, KCuts, SlabCount};
-pub use majorants::Majorants;
-pub use plan::{Plan, Segments, Shows};
+pub use majorants::{FULL, Majorants};
+pub use plan::{Bound, Plan, Segments, Shows};
 
 #[cfg(test)]
 mod support;
@@ -276,8 +276,8 @@ impl Skip {
         !matches!(self, Self::Box | Self::TwoStep)
     }
 
-    /// Whether its shader looks at every block when a ray comes to it, and so can leave out those that are bounded by what
-    /// the ray has seen.
+    /// Whether it looks at every block when a ray comes to it, and so can leave out those that are bounded by what the ray
+    /// has seen.
     pub fn reads_majorants(self) -> bool {
         matches!(
             self,

@@ -4,21 +4,22 @@
 
 use std::ops::Range;
 
-use super::Segments;
 use super::distance_map::block_at;
+use super::{Bound, Segments};
 use crate::lattice::Ray;
 use crate::octree::Occupancy;
 
 /// The positions of one ray.
 pub(super) struct Positions<'a> {
     pub(super) occupancy: &'a Occupancy,
+    pub(super) bound: Bound<'a>,
     pub(super) ray: Ray<f64>,
     /// Positions visited.
     pub(super) steps: u32,
 }
 
 impl Segments for Positions<'_> {
-    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+    fn next(&mut self, k: u32, highest: f64) -> Option<Range<u32>> {
         let start = (self.ray.k_near as u32).max(k);
         (start..self.ray.k_end as u32)
             .find(|&k| {
@@ -33,7 +34,9 @@ impl Segments for Positions<'_> {
                     (block(-self.ray.reach), block(self.ray.reach));
                 // What lies between the values of two blocks that touch is theirs too: their supports overlap.
                 let touch = (0..3).all(|a| front[a].abs_diff(back[a]) <= 1);
-                !touch || self.occupancy.get(front) || self.occupancy.get(back)
+                let may_add =
+                    |block| self.occupancy.get(block) && self.bound.may_add(block, highest);
+                !touch || may_add(front) || may_add(back)
             })
             .map(|k| k..k + 1)
     }

@@ -15,7 +15,7 @@ pub(super) struct Contributing<'a> {
 }
 
 impl Segments for Contributing<'_> {
-    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+    fn next(&mut self, k: u32, _highest: f64) -> Option<Range<u32>> {
         let start = (k.max(self.range.start)..self.range.end).find(|&k| (self.shows)(k))?;
         self.given += 1;
         Some(start..start + 1)

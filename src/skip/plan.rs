@@ -11,7 +11,7 @@ use super::octree_encoded::Positions;
 use super::oracle::Contributing;
 use super::traversal::Line;
 use super::two_step::CoarseSteps;
-use super::{HalfSplit, Hull, KCuts, Skip, bounding_box, half_axis, segment_list};
+use super::{HalfSplit, Hull, KCuts, Majorants, Skip, bounding_box, half_axis, segment_list};
 use crate::error::{Error, Result};
 use crate::lattice::{Ray, RayFrame, Real};
 use crate::octree::Occupancy;
@@ -30,13 +30,13 @@ pub enum Plan<'a> {
     /// [`Skip::BeamMasks`].
     BeamMasks(FrameRuns),
     /// [`Skip::DistanceMap`].
-    DistanceMap(DistanceMap),
+    DistanceMap(DistanceMap, Bound<'a>),
     /// [`Skip::GridDda`].
     GridDda(GridDda<'a>),
     /// [`Skip::SegmentList`].
     SegmentList(&'a Occupancy),
     /// [`Skip::OctreeEncoded`].
-    OctreeEncoded(&'a Occupancy),
+    OctreeEncoded(&'a Occupancy, Bound<'a>),
     /// [`Skip::TwoStep`].
     TwoStep,
     /// [`Skip::Adaptive`].
@@ -85,10 +85,13 @@ impl<'a> Plan<'a> {
                 planes,
             }),
             Skip::BeamMasks => Self::BeamMasks(FrameRuns::new(occupancy, frame)),
-            Skip::DistanceMap => Self::DistanceMap(DistanceMap::new(occupancy)),
-            Skip::GridDda => Self::GridDda(GridDda { occupancy }),
+            Skip::DistanceMap => Self::DistanceMap(DistanceMap::new(occupancy), Bound::NONE),
+            Skip::GridDda => Self::GridDda(GridDda {
+                occupancy,
+                bound: Bound::NONE,
+            }),
             Skip::SegmentList => Self::SegmentList(occupancy),
-            Skip::OctreeEncoded => Self::OctreeEncoded(occupancy),
+            Skip::OctreeEncoded => Self::OctreeEncoded(occupancy, Bound::NONE),
             Skip::TwoStep => Self::TwoStep,
             Skip::Oracle => Self::Oracle,
             Skip::Adaptive => {
@@ -96,6 +99,19 @@ impl<'a> Plan<'a> {
                 return Err(Error::setting("method", reason));
             }
         })
+    }
+
+    /// The same, where blocks are left out that lie no higher than what a ray has seen. Of methods that do not look at
+    /// blocks on their way ([`Skip::reads_majorants`]) nothing changes.
+    #[must_use]
+    pub fn bounded(mut self, majorants: &'a Majorants) -> Self {
+        if let Self::DistanceMap(_, bound)
+        | Self::GridDda(GridDda { bound, .. })
+        | Self::OctreeEncoded(_, bound) = &mut self
+        {
+            *bound = Bound::by(Some(majorants));
+        }
+        self
     }
 
     /// The segments of a pixel's ray, whatever numbers it was computed in. `shows` tells whether a sample of the ray
@@ -128,11 +144,12 @@ impl<'a> Plan<'a> {
             Self::HalfSplit(half_split) => Box::new(half_split.segments(&line)),
             Self::KCuts(k_cuts) => Box::new(k_cuts.segments(&line)),
             Self::BeamMasks(runs) => Box::new(runs.segments(&ray, pixel)),
-            Self::DistanceMap(map) => Box::new(map.segments(ray)),
+            Self::DistanceMap(map, bound) => Box::new(map.segments(ray, *bound)),
             Self::GridDda(grid_dda) => Box::new(grid_dda.segments(line)),
             Self::SegmentList(occupancy) => Box::new(segment_list::segments(occupancy, line)),
-            Self::OctreeEncoded(occupancy) => Box::new(Positions {
+            Self::OctreeEncoded(occupancy, bound) => Box::new(Positions {
                 occupancy,
+                bound: *bound,
                 ray,
                 steps: 0,
             }),
@@ -152,14 +169,39 @@ impl<'a> Plan<'a> {
     }
 }
 
+/// What is left out besides inactive blocks: those that lie no higher than what a ray has seen, where anything is known of
+/// that.
+#[derive(Debug, Clone, Copy)]
+pub struct Bound<'a>(Option<&'a Majorants>);
+
+impl<'a> Bound<'a> {
+    /// Nothing is.
+    pub const NONE: Self = Self(None);
+
+    /// Those that these tell of.
+    pub fn by(majorants: Option<&'a Majorants>) -> Self {
+        Self(majorants)
+    }
+
+    /// Whether it leaves out anything.
+    pub(super) fn is_some(self) -> bool {
+        self.0.is_some()
+    }
+
+    /// Whether a block can add anything to a ray that has seen `highest` ([`Segments::next`]).
+    pub(super) fn may_add(self, block: [usize; 3], highest: f64) -> bool {
+        self.0.is_none_or(|m| m.may_add(block, highest))
+    }
+}
+
 /// Whether a sample of a ray contributes.
 pub type Shows<'r> = &'r dyn Fn(u32) -> bool;
 
 /// The segments of one ray, asked for one after another.
 pub trait Segments {
-    /// The next segment at or after sample `k`, not empty; `None` at the end of the ray. `state` is what a mode tells
-    /// of its progress (the running maximum, say; NaN where a mode has nothing to tell).
-    fn next(&mut self, k: u32, state: f64) -> Option<Range<u32>>;
+    /// The next segment at or after sample `k`, not empty; `None` at the end of the ray. `highest` is the highest place in
+    /// the window that the ray has seen before `k`; NaN in modes that do not keep it.
+    fn next(&mut self, k: u32, highest: f64) -> Option<Range<u32>>;
 
     /// Lattice points that one sample of the segment given last stands for; it lies in their middle, and the segment holds
     /// a whole number of them.
@@ -206,7 +248,7 @@ impl FromIterator<Range<u32>> for Listed {
 
 impl Segments for Listed {
     #[inline]
-    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+    fn next(&mut self, k: u32, _highest: f64) -> Option<Range<u32>> {
         while let Some(range) = self.ranges.get(self.given) {
             self.given += 1;
             if k < range.end {

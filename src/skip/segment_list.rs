@@ -7,10 +7,10 @@
 
 use std::ops::Range;
 
-use super::Segments;
 use super::grid_dda::GridDda;
 use super::plan::Listed;
 use super::traversal::Line;
+use super::{Bound, Segments};
 use crate::octree::Occupancy;
 
 /// The most segments of a ray: what a pixel's memory is bounded by, 8 bytes each.
@@ -18,7 +18,8 @@ pub const MOST_SEGMENTS: usize = 16;
 
 /// The segments of a line, listed.
 pub(super) fn segments(occupancy: &Occupancy, line: Line) -> Listed {
-    let mut walk = GridDda { occupancy }.segments(line);
+    let bound = Bound::NONE;
+    let mut walk = GridDda { occupancy, bound }.segments(line);
     let mut listed: Vec<Range<u32>> = Vec::new();
     let mut k = 0;
     while let Some(next) = walk.next(k, f64::NAN) {

@@ -30,7 +30,7 @@ impl CoarseSteps<'_> {
 }
 
 impl Segments for CoarseSteps<'_> {
-    fn next(&mut self, k: u32, _state: f64) -> Option<Range<u32>> {
+    fn next(&mut self, k: u32, _highest: f64) -> Option<Range<u32>> {
         let mut k = k.max(self.range.start);
         while k < self.range.end {
             let before = match self.hit {

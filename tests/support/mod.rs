@@ -6,12 +6,15 @@
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use hollowcast::camera::Camera;
+use glam::{DVec3, Vec3Swizzles as _};
+use hollowcast::camera::{Camera, Orbit, Projection};
+use hollowcast::measure::metrics::metrics;
 use hollowcast::mode::{Light, MODES, Mode};
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::Sampler;
+use hollowcast::scene::Picture;
 use hollowcast::skip::Skip;
-use hollowcast::transfer::TransferFunction;
+use hollowcast::transfer::{ControlPoint, TransferFunction};
 use hollowcast::volume::{self, Rescale, Statistics, Volume, Voxels, phantom};
 
 /// One renderer for all tests: devices are dear on a software driver.
@@ -59,13 +62,15 @@ pub(crate) fn shipped(name: &str) -> Arc<Volume> {
     Arc::new(volume::open(&path, None).unwrap())
 }
 
-pub(crate) fn made(name: &str) -> Arc<Volume> {
-    Arc::new(phantom::make(name, [44, 48, 40]).unwrap())
+/// A scan of the folder in `HOLLOWCAST_DATA`.
+pub(crate) fn of_data_folder(name: &str) -> Arc<Volume> {
+    let folder = std::env::var_os("HOLLOWCAST_DATA");
+    let path = Path::new(&folder.expect("HOLLOWCAST_DATA names the folder of scans")).join(name);
+    Arc::new(volume::open(&path, None).unwrap())
 }
 
-/// Whether a renderer's backend has a mode.
-pub(crate) fn has(renderer: &Renderer, mode: &Mode) -> bool {
-    mode.check_backend(renderer.info().backend).is_ok()
+pub(crate) fn made(name: &str) -> Arc<Volume> {
+    Arc::new(phantom::make(name, [44, 48, 40]).unwrap())
 }
 
 /// The same numbers, of which data values are the negatives.
@@ -99,6 +104,17 @@ pub(crate) fn modes(volume: &Volume) -> Vec<Mode> {
     modes
 }
 
+/// Parallel rays along an axis through the middle of a volume, in pictures `height` local units high.
+pub(crate) fn along(volume: &Volume, axis: DVec3, height: f64) -> Camera {
+    let target = volume.extent() * 0.5;
+    Camera {
+        eye: target - axis * 100.0,
+        target,
+        up: axis.abs().yzx(),
+        projection: Projection::Orthographic { height },
+    }
+}
+
 /// Stacks of material along z that every ray of an upright parallel view passes.
 pub(crate) fn stack(values: &[u8]) -> Arc<Volume> {
     let (n, layer) = (24, 8);
@@ -110,4 +126,39 @@ pub(crate) fn stack(values: &[u8]) -> Arc<Volume> {
         voxels: Voxels::U8(voxels.into()),
         ..phantom::make("empty", [1; 3]).unwrap()
     })
+}
+
+/// Transparent up to `low`, rising to `opacity` a voxel at `high`.
+pub(crate) fn ramp(low: f64, high: f64, opacity: f64) -> TransferFunction {
+    let point = |value, opacity, color| ControlPoint {
+        value,
+        opacity,
+        color,
+    };
+    TransferFunction::new(
+        vec![
+            point(low, 0.0, [0.9, 0.6, 0.4]),
+            point(high, opacity, [1.0, 0.9, 0.8]),
+        ],
+        1.0,
+    )
+    .unwrap()
+}
+
+/// Pictures of a whole volume by a method, through the smallest table.
+pub(crate) fn outside(volume: &Volume, skip: Skip, sampler: Sampler) -> Settings {
+    Settings {
+        skip,
+        sampler: Some(sampler),
+        ert: 1.0,
+        size: [96, 96],
+        table_entries: 256,
+        ..Settings::new(Orbit::default().camera(volume.extent()))
+    }
+}
+
+/// How near two pictures are: in dB, and the largest difference of a channel.
+pub(crate) fn nearness(a: &Picture, b: &Picture) -> (f64, f64) {
+    let error = metrics([(a, b)]);
+    (error.psnr_db(), error.max_abs)
 }

@@ -215,7 +215,8 @@ fn cases(sweep: &Sweep, mode: &str, sampler: &str) -> Vec<Case> {
                 MethodChoice::Auto => false,
                 MethodChoice::Only(skip) => {
                     // Adaptive follows the table, of which the other modes make no use.
-                    let is_possible = skip != Skip::Adaptive || takes_table(mode);
+                    let is_possible =
+                        skip != Skip::Adaptive || row.is_some_and(|row| row.takes_table);
                     if !has(skip.method().backends) || !is_possible {
                         continue;
                     }
@@ -235,10 +236,6 @@ fn cases(sweep: &Sweep, mode: &str, sampler: &str) -> Vec<Case> {
         }
     }
     cases
-}
-
-fn takes_table(mode: &str) -> bool {
-    ["emission-absorption", "shaded"].contains(&mode)
 }
 
 #[cfg(test)]

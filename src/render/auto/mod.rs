@@ -2,9 +2,10 @@
 //!
 //! What a frame will be to each method is counted along a bundle of its rays (`work`), through the occupancy of small
 //! blocks and larger ones that follow from it. What that takes on this adapter is known from a few probe frames
-//! (`probes`), to which one line of costs per method was fitted (`cost`). Methods that are lossy, that failed the
+//! (`probes`) in the same mode, classification and sampler, to which one line of costs per method was fitted (`cost`). Methods that are lossy, that failed the
 //! self-check, or of whose segments nothing is known beforehand are never chosen.
 
+mod choice;
 mod cost;
 mod fit;
 mod probes;
@@ -14,14 +15,14 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+pub use self::choice::{Choice, MethodChoice};
 use self::cost::Calibration;
+use self::probes::Kind;
 use self::work::{Bundle, Level, Work};
 use super::{Renderer, Settings};
 use crate::error::{Error, Result};
-use crate::lattice::RayFrame;
 use crate::mode::Mode;
-use crate::sample::{Classification, Sampler};
-use crate::scene::Scene;
+use crate::sample::Classification;
 use crate::skip::{Cuts, HalfCut, METHODS, Skip};
 use crate::transfer::Table;
 
@@ -53,91 +54,11 @@ const WORTH_TURNING: f64 = 0.85;
 /// The most leaves that are built only to choose: 128 MiB of them. Larger volumes are chosen for in larger blocks.
 const MAX_LEAVES: usize = 1 << 24;
 
-/// What can be chosen to draw the same picture in less time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Choice {
-    /// WHERE samples are taken.
-    pub skip: Skip,
-    /// Leaf block edge in voxels.
-    pub block: usize,
-    /// Where half-split and k-cuts cut.
-    pub cuts: Cuts,
-}
-
-impl Choice {
-    /// What is chosen in these settings.
-    pub fn of(settings: &Settings) -> Self {
-        Self {
-            skip: settings.skip,
-            block: settings.block,
-            cuts: settings.cuts,
-        }
-    }
-
-    /// `settings` by this choice.
-    pub fn in_settings(&self, settings: &Settings) -> Settings {
-        Settings {
-            skip: self.skip,
-            block: self.block,
-            cuts: self.cuts,
-            ..*settings
-        }
-    }
-
-    /// Method, blocks and cuts in words: `half-split, blocks of 8, cut best`.
-    pub fn words(&self) -> String {
-        let name = self.skip.method().name;
-        let block = self.block;
-        match (self.skip, self.cut_words()) {
-            (Skip::Box, _) => name.to_owned(),
-            (_, Some(cut)) => format!("{name}, blocks of {block}, cut {cut}"),
-            (_, None) => format!("{name}, blocks of {block}"),
-        }
-    }
-
-    /// Where it cuts, by the names that flags have for it; `None` where it does not.
-    pub fn cut_words(&self) -> Option<String> {
-        match self.skip {
-            Skip::HalfSplit => Some(self.cuts.half.name().to_owned()),
-            Skip::KCuts => Some(self.cuts.slabs.to_string()),
-            _ => None,
-        }
-    }
-}
-
-/// A method as users name it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MethodChoice {
-    /// The one that [`Renderer::choose`] chooses.
-    Auto,
-    /// This one.
-    Only(Skip),
-}
-
-impl MethodChoice {
-    /// The name used by flags, files and reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Auto => "auto",
-            Self::Only(skip) => skip.method().name,
-        }
-    }
-
-    /// The choice of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        if name == Self::Auto.name() {
-            Some(Self::Auto)
-        } else {
-            Skip::from_name(name).map(Self::Only)
-        }
-    }
-}
-
 /// What choosing keeps from picture to picture.
 #[derive(Default)]
 pub(super) struct Chooser {
-    /// With the sampler that it holds for.
-    calibration: Option<(Sampler, Calibration)>,
+    /// Those that were asked for, each with what it holds for.
+    calibrations: Vec<(Kind, Calibration)>,
     active: Option<Active>,
     /// The last choice, and the settings that it was made for.
     last: Option<(Settings, Choice)>,
@@ -202,8 +123,8 @@ impl Renderer {
 
     /// The method, block size and cuts that will draw these settings' picture in least time; theirs are not read.
     ///
-    /// The first call on an adapter draws probe frames for about a second, whose outcome is kept in the user's cache
-    /// folder. After that a choice takes some milliseconds; it is kept as long as the settings, the volume and the
+    /// The first call on an adapter in a mode, classification and sampler draws probe frames for about a second, whose
+    /// outcome is kept in the user's cache folder. After that a choice takes some milliseconds; it is kept as long as the settings, the volume and the
     /// transfer function are the same, and where the camera alone has changed, so is the block size.
     ///
     /// # Errors
@@ -219,7 +140,7 @@ impl Renderer {
         {
             return Ok(choice);
         }
-        self.calibrate(&settings)?;
+        let calibration = self.calibrate(&settings)?;
         let turned = last.filter(|(before, _)| {
             let same_view = Settings {
                 camera: settings.camera,
@@ -244,7 +165,7 @@ impl Renderer {
                 let work = work?;
                 Some(Promise {
                     choice,
-                    ms: self.line(choice.skip).ms(&work),
+                    ms: calibration.line(choice.skip).ms(&work),
                     samples: work.samples,
                 })
             })
@@ -257,32 +178,25 @@ impl Renderer {
         Ok(choice)
     }
 
-    fn line(&self, skip: Skip) -> cost::CostLine {
-        let calibration = self.chooser.calibration.as_ref();
-        calibration
-            .map_or_else(Calibration::assumed, |(_, c)| c.clone())
-            .line(skip)
-    }
-
-    /// Takes the calibration for the settings' sampler from the cache, or draws the probe frames.
-    fn calibrate(&mut self, settings: &Settings) -> Result<()> {
-        let sampler = self.sampler(settings);
-        if let Some((kept, _)) = &self.chooser.calibration
-            && *kept == sampler
-        {
-            return Ok(());
-        }
-        let calibration = if self.info.backend == "reference" {
+    /// The calibration for the settings' mode, classification and sampler: as known, as the cache has it, or fitted to probe
+    /// frames that are drawn now.
+    fn calibrate(&mut self, settings: &Settings) -> Result<Calibration> {
+        let kind = Kind::of(settings, self.sampler(settings));
+        let known = self.chooser.calibrations.iter().find(|(k, _)| *k == kind);
+        let calibration = match known {
+            Some((_, calibration)) => calibration.clone(),
             // Nobody waits for the reference to be fast.
-            Calibration::assumed()
-        } else {
-            probes::calibration(self, sampler)?
+            None if self.info.backend == "reference" => Calibration::assumed(),
+            None => {
+                let calibration = probes::calibration(self, &kind)?;
+                self.chooser.calibrations.push((kind, calibration.clone()));
+                calibration
+            }
         };
         if let Some(samples) = calibration.cut_samples() {
             self.structures.set_cut_samples(samples);
         }
-        self.chooser.calibration = Some((sampler, calibration));
-        Ok(())
+        Ok(calibration)
     }
 
     /// What each choice will have to do for a frame; `None` where that is not known.
@@ -297,23 +211,8 @@ impl Renderer {
             .classes
             .pairs(settings, &table, self.structures.range());
         let shown = pairs.as_ref().map_or(&table, |p| p.content.nodes());
-        let frame = RayFrame {
-            reach: settings.classification.reach(),
-            ..settings
-                .camera
-                .ray_frame(&volume, settings.size, settings.step_voxels)?
-        };
-        let scene = Scene {
-            volume: &volume,
-            table: &table,
-            frame: &frame,
-            sampler: self.sampler(settings),
-            classification: settings.classification,
-            mode: settings.mode,
-            gradients: settings.gradients,
-            depth_cue: settings.depth_cue,
-            ert: settings.ert,
-        };
+        let frame = settings.ray_frame(&volume)?;
+        let scene = settings.scene(&volume, &table, &frame, self.sampler(settings));
         let is_current = self.chooser.active.as_ref().is_some_and(|a| {
             (a.mode, a.classification) == (settings.mode, settings.classification)
                 && a.table.shows_the_same_as(shown)
@@ -323,18 +222,19 @@ impl Renderer {
                 |block: usize| -> usize { volume.dims.iter().map(|n| n.div_ceil(block)).product() };
             let smallest = BLOCKS.into_iter().find(|&b| leaves(b) <= MAX_LEAVES);
             let smallest = Settings {
-                // Any that reads the occupancy of the whole.
-                skip: Skip::Hull,
+                // It reads the occupancy of the whole, and what blocks are bounded by where the mode keeps the highest.
+                skip: Skip::DistanceMap,
                 block: smallest.unwrap_or(BLOCKS[BLOCKS.len() - 1]),
                 ..*settings
             };
-            let mut occupancy = self.structures.occupancy(&smallest, &scene, shown)?.clone();
+            let (occupancy, majorants) = self.structures.occupancy(&smallest, &scene, shown)?;
+            let mut level = Level::new(occupancy.clone(), majorants.as_deref().cloned());
             let mut levels = Vec::new();
-            while occupancy.block < BLOCKS[BLOCKS.len() - 1] {
-                let coarser = occupancy.coarser();
-                levels.push(Level::new(std::mem::replace(&mut occupancy, coarser)));
+            while level.occupancy.block < BLOCKS[BLOCKS.len() - 1] {
+                let coarser = level.coarser();
+                levels.push(std::mem::replace(&mut level, coarser));
             }
-            levels.push(Level::new(occupancy));
+            levels.push(level);
             self.chooser.active = Some(Active {
                 table: Arc::clone(shown),
                 mode: settings.mode,
@@ -358,17 +258,6 @@ impl Renderer {
             })
             .collect())
     }
-}
-
-impl Choice {
-    const BOX: Self = Self {
-        skip: Skip::Box,
-        block: DEFAULT_BLOCK,
-        cuts: Cuts {
-            half: HalfCut::Middle,
-            slabs: crate::skip::SlabCount::Auto,
-        },
-    };
 }
 
 /// What a choice promises for a frame.

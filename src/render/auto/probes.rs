@@ -1,4 +1,5 @@
-//! The frames that tell what work costs on an adapter: small phantoms in small pictures, about a second of them.
+//! The frames that tell what work costs on an adapter: small phantoms in small pictures, about a second of them for every
+//! kind of work.
 
 use std::sync::Arc;
 
@@ -6,11 +7,44 @@ use super::cost::kept_or;
 use super::{Calibration, Choice};
 use crate::camera::Orbit;
 use crate::error::Result;
+use crate::mode::{MODES, Mode};
 use crate::render::{Renderer, Settings, cache};
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 use crate::skip::Skip;
 use crate::transfer::{ControlPoint, TransferFunction};
-use crate::volume::phantom;
+use crate::volume::{Statistics, Volume, phantom};
+
+/// What a calibration holds for besides the adapter: what a sample costs, and what a method makes of it, depends on these
+/// more than on all that a scene has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Kind {
+    sampler: Sampler,
+    classification: Classification,
+    /// The name of the mode, whatever its parameters.
+    mode: &'static str,
+}
+
+impl Kind {
+    /// The kind of these settings' pictures, by the sampler that they lead to.
+    pub(super) fn of(settings: &Settings, sampler: Sampler) -> Self {
+        Self {
+            sampler,
+            classification: settings.classification,
+            mode: settings.mode.name(),
+        }
+    }
+
+    /// The mode as it suits a volume.
+    fn mode_for(&self, volume: &Volume) -> Mode {
+        let row = MODES.iter().find(|row| row.name == self.mode);
+        (row.expect("it is a mode's name").suited_to)(&Statistics::of(volume))
+    }
+
+    fn words(&self) -> String {
+        let (sampler, classification) = (self.sampler.name(), self.classification.name());
+        format!("{sampler} {classification} {}", self.mode)
+    }
+}
 
 /// Runs of every frame at most; the fastest counts, for nothing but disturbance makes one slower.
 const ROUNDS: usize = 6;
@@ -136,11 +170,11 @@ const PROBES: &[Probe] = &[
     },
 ];
 
-/// The adapter's calibration for a sampler: as kept, or measured now.
+/// The adapter's calibration for a kind of work: as kept, or measured now.
 ///
 /// # Errors
 /// As [`Renderer::draw`].
-pub(super) fn calibration(renderer: &mut Renderer, sampler: Sampler) -> Result<Calibration> {
+pub(super) fn calibration(renderer: &mut Renderer, kind: &Kind) -> Result<Calibration> {
     let mut methods: Vec<Skip> = renderer.candidates(&[8]).iter().map(|c| c.skip).collect();
     methods.dedup();
     let names: Vec<&str> = methods.iter().map(|s| s.method().name).collect();
@@ -153,13 +187,13 @@ pub(super) fn calibration(renderer: &mut Renderer, sampler: Sampler) -> Result<C
         info.driver,
         env!("CARGO_PKG_VERSION"),
         if cfg!(debug_assertions) { " debug" } else { "" },
-        sampler.name(),
+        kind.words(),
         names.join(" "),
     );
     let path = cache::file("calibration.json");
     kept_or(path.as_deref(), &key, &methods, || {
         let (volume, transfer) = (renderer.volume.clone(), renderer.transfer.clone());
-        let measured = measure(renderer, sampler, &methods);
+        let measured = measure(renderer, kind, &methods);
         // What was there before comes back, whatever happened.
         renderer.forget_volume();
         if let Some(volume) = volume {
@@ -170,15 +204,18 @@ pub(super) fn calibration(renderer: &mut Renderer, sampler: Sampler) -> Result<C
     })
 }
 
-fn measure(renderer: &mut Renderer, sampler: Sampler, methods: &[Skip]) -> Result<Calibration> {
+fn measure(renderer: &mut Renderer, kind: &Kind, methods: &[Skip]) -> Result<Calibration> {
     let mut frames = vec![Vec::new(); methods.len()];
     for probe in PROBES {
         let volume = Arc::new(phantom::make(probe.phantom, [probe.voxels; 3])?);
         let extent = volume.extent();
+        let mode = kind.mode_for(&volume);
         renderer.set_volume(volume)?;
         renderer.set_transfer(probe.transfer()?);
         let settings = Settings {
-            sampler: Some(sampler),
+            sampler: Some(kind.sampler),
+            classification: kind.classification,
+            mode,
             step_voxels: probe.step_voxels,
             size: [probe.pixels; 2],
             table_entries: 256,

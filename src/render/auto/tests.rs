@@ -1,5 +1,6 @@
 use super::*;
 use crate::camera::Orbit;
+use crate::mode::Window;
 use crate::render::BackendChoice;
 use crate::transfer::TransferFunction;
 use crate::volume::{Statistics, phantom};
@@ -109,15 +110,27 @@ fn lossy_methods_withdrawn_ones_and_the_oracle_are_no_candidates() {
 #[test]
 fn a_bundle_tells_the_work_of_the_picture() {
     let (mut renderer, settings) = ready("shells:64");
-    let settings = Settings {
-        size: [160, 120],
-        ..settings
+    // The second keeps the highest value, by which methods leave out more than emission and absorption would.
+    let window = Window {
+        low: 40.0,
+        high: 400.0,
     };
+    for mode in [Mode::EmissionAbsorption, Mode::Mip(window)] {
+        let settings = Settings {
+            mode,
+            size: [160, 120],
+            ..settings
+        };
+        check_bundle(&mut renderer, &settings);
+    }
+}
+
+fn check_bundle(renderer: &mut Renderer, settings: &Settings) {
     let choices = renderer.candidates(&[4, 16]);
-    let works = renderer.works(&settings, &choices).unwrap();
+    let works = renderer.works(settings, &choices).unwrap();
     for (choice, work) in choices.iter().zip(works) {
         let work = work.expect("the reference's methods all have segments");
-        let counted = renderer.count(&choice.in_settings(&settings)).unwrap();
+        let counted = renderer.count(&choice.in_settings(settings)).unwrap();
         for (told, counted) in [
             (work.samples, counted.counters.samples),
             (work.contributing, counted.counters.contributing),

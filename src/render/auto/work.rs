@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::skip::beam_masks::{BeamMasks, Collapse, TileRuns};
 use crate::skip::distance_map::DistanceMap;
 use crate::skip::k_cuts::{BestCuts, Planes};
-use crate::skip::{self, Plan, Segments, Skip};
+use crate::skip::{self, Bound, Majorants, Plan, Segments, Skip};
 
 /// Edge in pixels of the tiles that the marchers draw.
 const TILE: u32 = 8;
@@ -64,6 +64,8 @@ impl Work {
 #[derive(Debug)]
 pub(super) struct Level {
     pub(super) occupancy: Occupancy,
+    /// What its blocks are bounded by, in modes that keep the highest place of their window.
+    majorants: Option<Majorants>,
     masks: BeamMasks,
     faces: usize,
     distances: OnceLock<DistanceMap>,
@@ -71,14 +73,21 @@ pub(super) struct Level {
 }
 
 impl Level {
-    pub(super) fn new(occupancy: Occupancy) -> Self {
+    pub(super) fn new(occupancy: Occupancy, majorants: Option<Majorants>) -> Self {
         Self {
             masks: BeamMasks::new(occupancy.clone()),
             faces: occupancy.exposed_faces(),
             occupancy,
+            majorants,
             distances: OnceLock::new(),
             best_cuts: Default::default(),
         }
+    }
+
+    /// The same in blocks twice as large.
+    pub(super) fn coarser(&self) -> Self {
+        let majorants = self.majorants.as_ref().map(Majorants::coarser);
+        Self::new(self.occupancy.coarser(), majorants)
     }
 }
 
@@ -100,6 +109,19 @@ struct BundleRay {
     /// One past the last sample that early termination lets it take.
     end: u32,
     contributing: u64,
+    /// The samples that raised the highest place in the window, and to what; empty in modes that do not keep it.
+    rises: Vec<(u32, f64)>,
+}
+
+impl BundleRay {
+    /// What methods are told of the ray before sample `k` ([`Segments::next`]).
+    fn highest_before(&self, k: u32, is_kept: bool) -> f64 {
+        if !is_kept {
+            return f64::NAN;
+        }
+        let seen = self.rises.partition_point(|(rise, _)| *rise < k);
+        seen.checked_sub(1).map_or(0.0, |last| self.rises[last].1)
+    }
 }
 
 impl<'a> Bundle<'a> {
@@ -130,8 +152,9 @@ impl<'a> Bundle<'a> {
             .map(|((pixel, tile), found)| {
                 let ray = basis.ray(f64::from(pixel[0]), f64::from(pixel[1]));
                 BundleRay {
-                    end: ray.k_near as u32 + found.samples as u32,
-                    contributing: found.contributing,
+                    end: ray.k_near as u32 + found.counters.samples as u32,
+                    contributing: found.counters.contributing,
+                    rises: found.rises,
                     ray,
                     tile,
                 }
@@ -179,12 +202,17 @@ impl<'a> Bundle<'a> {
         }
         if choice.skip == Skip::DistanceMap {
             let map = level.distances.get_or_init(|| DistanceMap::new(occupancy));
-            self.along_rays(&mut work, |ray| Box::new(map.segments(*ray)));
+            let bound = Bound::by(level.majorants.as_ref());
+            self.along_rays(&mut work, |ray| Box::new(map.segments(*ray, bound)));
             return Some(self.of_all_pixels(work));
         }
         let planes = self.planes(choice, level, cut_samples);
         let frame = self.scene.frame;
         let plan = Plan::with_planes(choice.skip, occupancy, frame, self.axis, planes).ok()?;
+        let plan = match &level.majorants {
+            Some(majorants) => plan.bounded(majorants),
+            None => plan,
+        };
         // Beams of tiles are followed above; no other lossless method asks which pixel it is or what shows.
         self.along_rays(&mut work, |ray| plan.segments(ray, [0; 2], &|_| false));
         let is_rasterised =
@@ -232,13 +260,14 @@ impl<'a> Bundle<'a> {
         segments: impl Fn(&Ray<f64>) -> Box<dyn Segments + 's>,
     ) {
         let share = 1.0 / self.rays.len() as f64;
-        for BundleRay {
-            ray,
-            end,
-            contributing,
-            ..
-        } in &self.rays
-        {
+        let is_kept = self.scene.mode.keeps_highest();
+        for bundled in &self.rays {
+            let BundleRay {
+                ray,
+                end,
+                contributing,
+                ..
+            } = bundled;
             if ray.k_end <= ray.k_near {
                 continue;
             }
@@ -246,7 +275,7 @@ impl<'a> Bundle<'a> {
             let mut samples = 0;
             let mut k = ray.k_near as u32;
             while k < *end
-                && let Some(segment) = segments.next(k, f64::NAN)
+                && let Some(segment) = segments.next(k, bundled.highest_before(k, is_kept))
             {
                 samples += segment.end.min(*end).saturating_sub(segment.start);
                 k = segment.end;
@@ -273,6 +302,7 @@ impl<'a> Bundle<'a> {
             tile: [x, y],
             end,
             contributing,
+            ..
         } in &self.rays
         {
             let (x, y) = (x.clone(), y.clone());

@@ -13,7 +13,7 @@ use crate::gpu::shader::compose;
 use crate::gpu::timer::Place;
 use crate::render::FrameTimes;
 use crate::render::slices::{Corner, Slices, are_ordered};
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 use crate::scene::{CountedPicture, Counters};
 
 /// What is blended: 16 bits would lose what hundreds of faint slices add.
@@ -23,6 +23,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 struct Variant {
     sampler: Sampler,
+    classification: Classification,
     /// The file in `shaders/mode/`.
     mode: &'static str,
     /// Near slices before far ones; otherwise the highest fragment counts.
@@ -35,7 +36,7 @@ struct Variant {
 #[derive(Debug)]
 pub(super) struct SlicesPass {
     is_filterable: bool,
-    /// View, settings, volume, filter, table and mode, at the marcher's places.
+    /// View, settings, volume, filter, table, mode and colours, at the marcher's places.
     scene_layout: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
     pipelines: HashMap<Variant, wgpu::RenderPipeline>,
@@ -83,6 +84,7 @@ impl SlicesPass {
                     entry(6, fragment, wgpu::BindingType::Sampler(filter)),
                     entry(7, fragment, table),
                     entry(8, fragment, uniform()),
+                    entry(10, fragment, texture),
                 ],
             });
         let layout = gpu
@@ -113,10 +115,10 @@ impl SlicesPass {
         let text = compose(
             "slices",
             &[
-                ("SAMPLER", variant.sampler.name()),
+                ("SAMPLER", variant.sampler.shader()),
                 ("MODE", variant.mode),
                 ("CUE", "off"),
-                ("CLASSIFICATION", "post"),
+                ("CLASSIFICATION", variant.classification.shader()),
                 (
                     "BLEND",
                     if variant.is_ordered {
@@ -206,7 +208,7 @@ impl GpuBackend {
         let settings = self
             .settings
             .write(gpu, &[settings_of(job, volume, dispatch)]);
-        let (table, _) = self.classes.bound(gpu, job);
+        let (table, colors) = self.classes.bound(gpu, job);
         let mode = self.mode.write(gpu, &[mode_of(job, volume, None)]);
         let corners = self.corners.write(gpu, &slices.corners);
         let [width, height] = piece.size;
@@ -233,10 +235,12 @@ impl GpuBackend {
                 bind(6, wgpu::BindingResource::Sampler(&volume.filter)),
                 bind(7, table.as_entire_binding()),
                 bind(8, mode.as_entire_binding()),
+                bind(10, wgpu::BindingResource::TextureView(colors)),
             ],
         });
         let variant = Variant {
             sampler: job.scene.sampler,
+            classification: job.scene.classification,
             mode: job.scene.mode.row().shader,
             is_ordered: are_ordered(&job.scene.mode),
             is_counted,

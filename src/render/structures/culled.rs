@@ -9,14 +9,14 @@ use glam::DVec3;
 use super::near::near_first;
 use crate::cpu::CpuPlan;
 use crate::mode::Activity;
-use crate::octree::{Accelerator, Hull, Occupancy};
-use crate::render::block_words::BlockWords;
+use crate::octree::{Accelerator, Hull, LeafGrid, Occupancy};
+use crate::render::block_words::{BlockWords, bounded_by};
 use crate::render::{Preparation, Settings, ms_since};
 use crate::sample::Classification;
 use crate::scene::Scene;
 use crate::skip::beam_masks::BeamMasks;
 use crate::skip::k_cuts::{BestCuts, Planes};
-use crate::skip::{self, HalfCut, Skip};
+use crate::skip::{self, HalfCut, Majorants, Skip};
 use crate::transfer::Table;
 
 /// Edge in voxels, about, of the boxes that tell which tiles can show anything.
@@ -41,6 +41,8 @@ pub(super) struct Culled {
     pub(super) masks: Option<BeamMasks>,
     /// What shaders of their own read of every block, by method.
     pub(super) words: Vec<BlockWords>,
+    /// Those that were asked for last, and what making them took, in ms.
+    majorants: Option<(Arc<Majorants>, f64)>,
 }
 
 impl Culled {
@@ -77,7 +79,33 @@ impl Culled {
             cpu_plans: Vec::new(),
             masks: None,
             words: Vec::new(),
+            majorants: None,
         }
+    }
+
+    /// What bounds the blocks of `grid` in the scene's mode, where the settings' method asks; made at first use.
+    pub(super) fn majorants(
+        &mut self,
+        settings: &Settings,
+        scene: &Scene,
+        grid: &LeafGrid,
+    ) -> Option<Arc<Majorants>> {
+        bounded_by(settings)?;
+        let domain = *self.table.domain();
+        let holds = |(kept, _): &(Arc<Majorants>, _)| kept.hold_for(&scene.mode, &domain);
+        if !self.majorants.as_ref().is_some_and(holds) {
+            let start = Instant::now();
+            let voxel_type = scene.volume.voxels.voxel_type();
+            let made = Majorants::new(grid, voxel_type, &domain, &scene.mode);
+            self.majorants = Some((Arc::new(made), ms_since(start)));
+        }
+        self.majorants.as_ref().map(|(made, _)| Arc::clone(made))
+    }
+
+    /// The majorants that the settings' method reads, if those were made last.
+    pub(super) fn majorants_of(&self, settings: &Settings) -> Option<&Majorants> {
+        let (made, _) = self.majorants.as_ref()?;
+        bounded_by(settings).map(|_| &**made)
     }
 
     /// What the settings' method reads of every block, if that was made.
@@ -164,6 +192,8 @@ impl Culled {
             .masks
             .as_ref()
             .filter(|_| settings.skip == Skip::BeamMasks);
+        let bounded = bounded_by(settings);
+        let majorants = self.majorants.as_ref().filter(|_| bounded.is_some());
         let hulls = hulls
             .iter()
             .map(|&i| size_of_val(&self.hulls[i].1.faces[..]));
@@ -171,10 +201,13 @@ impl Culled {
             + size_of_val(self.occupancy.words())
             + hulls.sum::<usize>()
             + words.map_or(0, |w| w.content.len() * 4)
-            + masks.map_or(0, BeamMasks::bytes);
+            + masks.map_or(0, BeamMasks::bytes)
+            + majorants.map_or(0, |(m, _)| m.bytes().len());
         Preparation {
             preprocess_ms: build_ms,
-            cull_ms: self.cull_ms + words.map_or(0.0, |w| w.ms),
+            cull_ms: self.cull_ms
+                + words.map_or(0.0, |w| w.ms)
+                + majorants.map_or(0.0, |(_, ms)| *ms),
             structure_bytes: bytes as u64,
         }
     }
