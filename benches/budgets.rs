@@ -17,6 +17,7 @@ use hollowcast::measure::metrics::metrics;
 use hollowcast::measure::truth::Truths;
 use hollowcast::measure::tune;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
+use hollowcast::sample::Classification;
 use hollowcast::transfer::TransferFunction;
 use hollowcast::volume::{self, Statistics};
 
@@ -84,6 +85,8 @@ fn holds_elsewhere(file: &Path, limit: f64, pixels: u32) -> Result<f64> {
             rounds: 1,
         },
         error_views: SEARCHED,
+        classifications: Classification::ALL.to_vec(),
+        thresholds: budget::THRESHOLDS.to_vec(),
         error_size: settings.size,
     };
     let renderers = std::slice::from_mut(&mut renderer);

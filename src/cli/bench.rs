@@ -84,8 +84,6 @@ pub(super) struct Planned {
 struct Words {
     /// As it is typed.
     line: String,
-    /// As it is typed for the error alone, where that can be.
-    truth: Option<String>,
     /// What it comes to.
     args: compare::Args,
 }
@@ -198,10 +196,8 @@ impl Planned {
         let place = &places[group.scene];
         let commands = group.cases.iter().map(|case| {
             let words = group.words(case, suite, &place.path);
-            let of_truth = group.truth_words(case, suite, &place.path);
             Ok(Words {
                 line: suite_words::line("compare", &place.word, &words),
-                truth: of_truth.map(|words| suite_words::line("truth", &place.word, &words)),
                 args: suite_words::parsed(&words)?,
             })
         });
@@ -298,7 +294,6 @@ impl Bench<'_> {
                 contestants.push(Contestant {
                     case: case.clone(),
                     command: words.line.clone(),
-                    truth_command: words.truth.clone(),
                     renderer,
                     views,
                 });
