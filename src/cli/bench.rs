@@ -30,7 +30,7 @@ Examples:
   hollowcast report quick.jsonl -o quick.html              what was measured, as a page
 
 A suite is a TOML file of scenes and sweeps over backends, methods, blocks, steps, samplers, modes, early termination and
-sizes; benches/ has two to begin with. Cases of one scene, mode, size, sampler and step take turns (A B C, A B C, ...), and
+sizes; benches/ has three to begin with. Cases of one scene, mode, size, sampler and step take turns (A B C, A B C, ...), and
 do so once more where times scatter. Every finished case is a line of the results, which the command that measures it again
 names. A run that was stopped goes on where it was, on the same machine and with the same program; other results are never
 overwritten. Volumes are looked for in data/, then in the folder of --data; a missing one is stood in for where the suite

@@ -91,6 +91,7 @@ impl Drawing {
 
     fn scene(&self) -> Scene {
         let mut scene = Scene::new(self.size[0], self.size[1]);
+        scene.font_family = Some("system-ui, 'DejaVu Sans', sans-serif".to_owned());
         for shape in &self.shapes {
             match shape {
                 Shape::Line {
