@@ -1,9 +1,9 @@
 //! Whether a profile that was tuned for an error on one set of views keeps it on others.
 //!
-//! `cargo bench --bench budgets -- [ERROR] [PIXELS] [FILE...]`: tunes each scan for a largest error (0.004) on pictures of so
-//! many pixels an edge (48), and counts on how many of 50 other views, spread evenly at random, it is kept. Fails where that is
-//! less than 95 % of any scan's. Without files: the two scans that ship with the project, and the teapot and the engine of
-//! the folder in `HOLLOWCAST_DATA`, where it is named.
+//! `cargo bench --bench budgets -- [ERROR] [PIXELS] [FILE...]`: tunes each scan for a largest error (0.004) as `tune` does, on
+//! 64 views of 64x64 pixels and the worst found from there, and counts on how many of 50 other views, spread evenly at random,
+//! it is kept by pictures of so many pixels an edge (128). Fails where that is less than 95 % of any scan's. Without files: the
+//! two scans that ship with the project, and the teapot and the engine of the folder in `HOLLOWCAST_DATA`.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,11 +17,13 @@ use hollowcast::measure::metrics::metrics;
 use hollowcast::measure::truth::Truths;
 use hollowcast::measure::tune;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
+use hollowcast::sample::Classification;
 use hollowcast::transfer::TransferFunction;
 use hollowcast::volume::{self, Statistics};
 
-/// Views that the search begins with, and others that it never sees.
+/// Views that the search begins with, their pixels an edge, and views that it never sees.
 const SEARCHED: usize = 64;
+const SEARCHED_PIXELS: u32 = 64;
 const OTHERS: usize = 50;
 /// Share of the others that must keep the error.
 const KEPT: f64 = 0.95;
@@ -37,27 +39,32 @@ fn main() -> Result<()> {
         }
         None => default,
     };
-    let (limit, pixels) = (number(0.004), number(48.0) as u32);
+    let (limit, pixels) = (number(0.004), number(128.0) as u32);
     let mut files: Vec<PathBuf> = words.map(PathBuf::from).collect();
     if files.is_empty() {
         let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("data");
         files = ["qim3d_shell.nrrd", "stent.nrrd"]
             .map(|f| shipped.join(f))
             .to_vec();
-        if let Some(folder) = std::env::var_os("HOLLOWCAST_DATA").map(PathBuf::from) {
-            files.extend(["boston_teapot.nrrd", "engine.nrrd"].map(|f| folder.join(f)));
+        match std::env::var_os("HOLLOWCAST_DATA").map(PathBuf::from) {
+            Some(folder) => {
+                files.extend(["boston_teapot.nrrd", "engine.nrrd"].map(|f| folder.join(f)));
+            }
+            None => println!("two scans of four: HOLLOWCAST_DATA names no folder with the others"),
         }
     }
-    println!("largest error {limit}, {pixels}x{pixels}, translucent, cpu");
+    println!(
+        "largest error {limit}, tuned on {SEARCHED_PIXELS}x{SEARCHED_PIXELS}, others {pixels}x{pixels}, translucent, cpu"
+    );
+    let mut least = 1.0_f64;
     for file in &files {
-        let kept = holds_elsewhere(file, limit, pixels)?;
-        let name = file.display();
-        ensure!(
-            kept >= KEPT,
-            "{name}: only {:.0} % of other views keep {limit}",
-            100.0 * kept
-        );
+        least = least.min(holds_elsewhere(file, limit, pixels)?);
     }
+    ensure!(
+        least >= KEPT,
+        "of one scan only {:.0} % of other views keep {limit}",
+        100.0 * least
+    );
     Ok(())
 }
 
@@ -71,7 +78,7 @@ fn holds_elsewhere(file: &Path, limit: f64, pixels: u32) -> Result<f64> {
     let mut truths = Truths::new(&volume, &transfer)?.kept_in(None);
     let camera = Orbit::default().camera(volume.extent());
     let settings = Settings {
-        size: [pixels; 2],
+        size: [SEARCHED_PIXELS; 2],
         ..Settings::new(camera)
     };
     let plan = budget::Plan {
@@ -84,6 +91,8 @@ fn holds_elsewhere(file: &Path, limit: f64, pixels: u32) -> Result<f64> {
             rounds: 1,
         },
         error_views: SEARCHED,
+        classifications: Classification::ALL.to_vec(),
+        thresholds: budget::THRESHOLDS.to_vec(),
         error_size: settings.size,
     };
     let renderers = std::slice::from_mut(&mut renderer);
@@ -92,6 +101,7 @@ fn holds_elsewhere(file: &Path, limit: f64, pixels: u32) -> Result<f64> {
     for direction in random_directions(0x9E37_79B9_7F4A_7C15).take(OTHERS) {
         let settings = Settings {
             camera: seen_from(&camera, direction),
+            size: [pixels; 2],
             ..found.accuracy.in_settings(&settings)
         };
         let truth = truths.of(&settings, |_| ())?;
@@ -101,7 +111,7 @@ fn holds_elsewhere(file: &Path, limit: f64, pixels: u32) -> Result<f64> {
     errors.sort_by(f64::total_cmp);
     let kept = errors.iter().filter(|&&e| e <= limit).count();
     println!(
-        "{}: {}; {:.5} over {} views, others expected below {:.5}; others: median {:.5}, largest {:.5}, {kept} of {OTHERS} keep it",
+        "{}: {}; {:.5} over {} views, others expected below {:.5}; others: median {:.5}, largest {:.5}, {kept} of {OTHERS} keep it ({:.0} %)",
         file.file_stem().context("a file has a name")?.display(),
         found.accuracy.words(),
         found.error,
@@ -109,6 +119,7 @@ fn holds_elsewhere(file: &Path, limit: f64, pixels: u32) -> Result<f64> {
         found.expected,
         errors[errors.len() / 2],
         errors[errors.len() - 1],
+        100.0 * kept as f64 / OTHERS as f64,
     );
     Ok(kept as f64 / OTHERS as f64)
 }

@@ -38,6 +38,7 @@ pub(crate) use self::cache::file as cache_file;
 pub use self::gpu::Targets;
 pub use self::settings::Settings;
 pub use self::slices::SliceCount;
+pub(crate) use classes::check as check_classification;
 
 /// What it took to build the structures that a frame needs.
 #[derive(Debug, Clone, Copy, Default)]

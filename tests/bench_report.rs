@@ -1,10 +1,13 @@
 //! Suites and their reports, as a user meets them.
 
+mod command_line;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::time::{Duration, Instant};
 
+use command_line::{command, json, refused, succeeds};
 use serde_json::Value;
 
 /// A scene with a thin wall, so that lossy methods lose something; its title wants to be escaped.
@@ -46,32 +49,6 @@ step = "1"
 size = 12
 "#;
 
-fn hollowcast(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hollowcast"))
-        .args(args)
-        .current_dir(folder)
-        .env_remove("RUST_LOG")
-        .env_remove("HOLLOWCAST_DATA")
-        .output()
-        .expect("the command can be started")
-}
-
-fn succeeds(folder: &Path, args: &[&str]) -> String {
-    let output = hollowcast(folder, args);
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{args:?}: {errors}");
-    String::from_utf8(output.stdout).expect("reports are UTF-8")
-}
-
-/// The line on stderr of a run that is refused.
-fn refused(folder: &Path, args: &[&str]) -> String {
-    let output = hollowcast(folder, args);
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {errors}");
-    assert_eq!(errors.lines().count(), 1, "{args:?}: {errors}");
-    errors
-}
-
 const BENCH: [&str; 4] = ["bench", "s.toml", "-o", "r.jsonl"];
 
 /// A folder with the suite and its results.
@@ -97,6 +74,7 @@ fn lossless_methods_lie_on_one_line_and_a_stopped_run_goes_on() {
     errors_are_equal_bit_for_bit(&records(folder, "case"));
     commands_measure_the_same(folder, &records(folder, "case"));
     stopped_runs_go_on(folder);
+    killed_runs_go_on(folder, &records(folder, "case"));
     others_are_refused(folder);
     the_page_holds_all_and_is_escaped(folder);
 }
@@ -124,17 +102,61 @@ fn errors_are_equal_bit_for_bit(cases: &[Value]) {
     assert!(lossy >= 2, "lossy methods that differ: {lossy}");
 }
 
-/// What a case's command counts is what the case says.
+/// What a case's command counts and how far off it is are what the case says.
 fn commands_measure_the_same(folder: &Path, cases: &[Value]) {
-    for case in cases.iter().filter(|c| c["method"] == "hull").take(3) {
+    let with_error = |method| {
+        let is_it = move |c: &&Value| c["method"] == method && !c["error"].is_null();
+        cases.iter().find(is_it).unwrap()
+    };
+    let without = cases.iter().find(|c| c["error"].is_null()).unwrap();
+    for case in [without, with_error("hull"), with_error("two-step")] {
         let command = case["command"].as_str().unwrap();
         let words: Vec<&str> = command.split(' ').skip(1).chain(["--json"]).collect();
-        let json: Value = serde_json::from_str(&succeeds(folder, &words)).unwrap();
+        let json = json(folder, &words);
         let rows = json["rows"].as_array().unwrap();
-        let row = rows.iter().find(|r| r["method"] == "hull").unwrap();
-        assert_eq!(row["samples_per_pixel"], case["samples"], "{command}");
-        assert_eq!(row["structure_bytes"], case["structure_bytes"], "{command}");
+        let row = rows.iter().find(|r| r["method"] == case["method"]).unwrap();
+        for (of_row, of_case) in [
+            ("samples_per_pixel", &case["samples"]),
+            ("structure_bytes", &case["structure_bytes"]),
+            ("max_abs_diff_vs_reference", &case["error"]["max_abs"]),
+            ("mean_abs_diff_vs_reference", &case["error"]["mean_abs"]),
+            ("off_share_vs_reference", &case["error"]["off_share"]),
+        ] {
+            assert_eq!(&row[of_row], of_case, "{command}");
+        }
+        if let Some(rms) = case["error"]["rms"].as_f64() {
+            let psnr = row["psnr_vs_reference_db"].as_f64().unwrap();
+            assert!((psnr + 20.0 * rms.log10()).abs() < 1e-9, "{command}");
+        }
     }
+}
+
+/// A run that is killed outright, whatever it was writing, goes on where it was.
+fn killed_runs_go_on(folder: &Path, cases: &[Value]) {
+    let bench = ["bench", "s.toml", "-o", "k.jsonl"];
+    let mut run = command(folder, &bench)
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let lines = || fs::read_to_string(folder.join("k.jsonl")).map_or(0, |t| t.lines().count());
+    let start = Instant::now();
+    while lines() < 4 && start.elapsed() < Duration::from_mins(1) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    run.kill().unwrap();
+    run.wait().unwrap();
+    let before = lines();
+    assert!(before >= 4);
+    let told = succeeds(folder, &bench);
+    let all = cases.len();
+    assert!(told.contains(&format!("{all} cases")), "{told}");
+    let text = fs::read_to_string(folder.join("k.jsonl")).unwrap();
+    let whole = fs::read_to_string(folder.join("r.jsonl")).unwrap();
+    assert_eq!(text.lines().count(), whole.lines().count());
+    assert!(
+        !told.contains(&format!(" {all} of them")) || before < 5,
+        "{told}"
+    );
 }
 
 fn stopped_runs_go_on(folder: &Path) {
@@ -181,6 +203,8 @@ fn others_are_refused(folder: &Path) {
     );
     let error = refused(folder, &["report", "r.jsonl", "-o", "r.jsonl"]);
     assert!(error.contains("would be lost"), "{error}");
+    let error = refused(folder, &["report", "r.jsonl", "--tables", "r.jsonl"]);
+    assert!(error.contains("tables: is one of"), "{error}");
     let error = refused(folder, &["report", "notes.txt", "-o", "n.html"]);
     assert!(error.contains("notes.txt"), "{error}");
     assert_eq!(fs::read_to_string(folder.join("r.jsonl")).unwrap(), before);
@@ -203,7 +227,14 @@ fn others_are_refused(folder: &Path) {
 fn the_page_holds_all_and_is_escaped(folder: &Path) {
     let told = succeeds(
         folder,
-        &["report", "r.jsonl", "-o", "r.html", "--charts", "charts"],
+        &[
+            "report", "r.jsonl", "-o", "r.html", "--charts", "charts", "--tables", "t.md",
+        ],
+    );
+    let tables = fs::read_to_string(folder.join("t.md")).unwrap();
+    assert!(
+        tables.contains("| hull | ") && !tables.contains("<script"),
+        "{tables}"
     );
     let page = fs::read_to_string(folder.join("r.html")).unwrap();
     assert!(!page.contains("<script>alert") && page.contains("Thin &lt;script&gt;alert"));
@@ -214,7 +245,11 @@ fn the_page_holds_all_and_is_escaped(folder: &Path) {
         "Pareto front",
         "data:image/png;base64,",
         "id=\"pareto-thin\"",
-        "id=\"blocks-thin",
+        "id=\"by-block-blocks-thin",
+        "id=\"by-block-edit-thin",
+        "id=\"work-thin\"",
+        "id=\"methods-speed-reference",
+        "on each all are equal to the last digit",
         "hollowcast compare phantom:thin:20",
     ] {
         assert!(page.contains(holds), "{holds}");

@@ -1,5 +1,7 @@
 //! Tuning for a budget, and the truth that it is measured against.
 
+mod command_line;
+
 use std::path::Path;
 use std::sync::Arc;
 
@@ -8,6 +10,7 @@ use hollowcast::measure::budget::{self, Budget};
 use hollowcast::measure::truth::Truths;
 use hollowcast::measure::tune;
 use hollowcast::render::{BackendChoice, Renderer, Settings};
+use hollowcast::sample::Classification;
 use hollowcast::transfer::TransferFunction;
 use hollowcast::volume::{Statistics, Volume, phantom};
 
@@ -44,6 +47,8 @@ fn plan(scene: &Scene, budget: Budget, error_views: usize) -> budget::Plan {
             rounds: 1,
         },
         error_views,
+        classifications: Classification::ALL.to_vec(),
+        thresholds: budget::THRESHOLDS.to_vec(),
         error_size: scene.settings.size,
     }
 }
@@ -94,17 +99,57 @@ fn a_budget_is_kept_or_refused_by_name() {
     }
 }
 
-/// The command's exit code and what it printed, with truths kept in a folder of the test's own.
+/// The command's exit code and what it printed.
 fn hollowcast(folder: &Path, args: &[&str]) -> (i32, String, String) {
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_hollowcast"))
-        .args(args)
-        .env("XDG_CACHE_HOME", folder)
-        .current_dir(folder)
-        .output()
-        .unwrap();
+    let output = command_line::output(folder, args);
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
     let code = output.status.code().unwrap();
     (code, text(output.stdout), text(output.stderr))
+}
+
+/// With a peak in the table that steps between samples miss, the values between two samples must be looked up together.
+#[test]
+fn classifications_are_searched_too() {
+    let volume = Arc::new(phantom::make("ramp", [24, 8, 8]).unwrap());
+    let table = "reference_length_voxels = 1.0\npoints = [\
+                 { value = 0, opacity = 0, color = [1, 1, 1] }, { value = 118, opacity = 0, color = [1, 1, 1] },\
+                 { value = 120, opacity = 0.9, color = [1, 1, 1] }, { value = 122, opacity = 0, color = [1, 1, 1] }]\n";
+    let transfer = TransferFunction::from_toml(table).unwrap();
+    let mut renderer = Renderer::new(BackendChoice::Reference).unwrap();
+    renderer.set_volume(Arc::clone(&volume)).unwrap();
+    renderer.set_transfer(transfer.clone());
+    let mut scene = Scene {
+        truths: Truths::new(&volume, &transfer).unwrap().kept_in(None),
+        settings: Settings {
+            size: [12, 12],
+            ..Settings::new(Orbit::default().camera(volume.extent()))
+        },
+        renderer,
+    };
+    let mut search = |classifications: &[Classification]| {
+        let plan = budget::Plan {
+            classifications: classifications.to_vec(),
+            thresholds: vec![1.0],
+            ..plan(&scene, Budget::MaxError(0.05), 0)
+        };
+        let renderers = std::slice::from_mut(&mut scene.renderer);
+        budget::search(renderers, &mut scene.truths, &plan, &mut |_| ())
+    };
+    let post = search(&[Classification::Post]).unwrap();
+    let pre_integrated = search(&[Classification::PreIntegrated]).unwrap();
+    let of = |found: &budget::Found| found.accuracy.classification;
+    assert_eq!(of(&post), Classification::Post);
+    assert_eq!(of(&pre_integrated), Classification::PreIntegrated);
+    assert!(pre_integrated.accuracy.step_voxels > post.accuracy.step_voxels);
+    assert!(pre_integrated.error <= 0.05, "{pre_integrated:?}");
+    let pre = search(&[Classification::Pre]).unwrap_err();
+    assert!(pre.to_string().contains("nothing stays inside"), "{pre}");
+    // Which of the others is faster is for the clock to say.
+    let all = search(Classification::ALL).unwrap();
+    assert!(
+        of(&all) != Classification::Pre && all.error <= 0.05,
+        "{all:?}"
+    );
 }
 
 #[test]
@@ -124,7 +169,7 @@ fn the_command_tells_truths_and_draws_with_profiles_that_keep_a_budget() {
     }
     assert!(folder.path().join("t.npy").is_file());
     assert_eq!(
-        std::fs::read_dir(folder.path().join("hollowcast/truth"))
+        std::fs::read_dir(folder.path().join("cache/hollowcast/truth"))
             .unwrap()
             .count(),
         1

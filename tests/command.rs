@@ -211,6 +211,8 @@ fn a_comparison_has_a_row_for_everything_that_was_asked_for() {
         "differing_pixels_vs_box",
         "max_abs_diff_vs_box",
         "max_abs_diff_vs_reference",
+        "mean_abs_diff_vs_reference",
+        "off_share_vs_reference",
         "psnr_vs_reference_db",
     ];
     keys.sort_unstable();

@@ -1,41 +1,12 @@
 //! `auto`, `tune` and profiles as a user meets them.
 
+mod command_line;
+
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
 
+use command_line::{json, refused, succeeds};
 use serde_json::Value;
-
-/// Runs the command in a folder that is also its cache; no picture here needs a graphics adapter.
-fn hollowcast(folder: &Path, args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_hollowcast"))
-        .args(args)
-        .current_dir(folder)
-        .env("XDG_CACHE_HOME", folder.join("cache"))
-        .env_remove("RUST_LOG")
-        .output()
-        .expect("the command can be started")
-}
-
-fn succeeds(folder: &Path, args: &[&str]) -> String {
-    let output = hollowcast(folder, args);
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{args:?}: {errors}");
-    String::from_utf8(output.stdout).expect("reports are UTF-8")
-}
-
-fn json(folder: &Path, args: &[&str]) -> Value {
-    serde_json::from_str(&succeeds(folder, args)).expect("a JSON document")
-}
-
-/// The one line on stderr of a run that blames its input.
-fn fails(folder: &Path, args: &[&str]) -> String {
-    let output = hollowcast(folder, args);
-    let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{args:?}: {errors}");
-    assert_eq!(errors.lines().count(), 1, "{args:?}: {errors}");
-    errors
-}
 
 const POT: &str = "phantom:pot:32";
 const SMALL: [&str; 5] = ["--size", "24x16", "--step", "1", "--json"];
@@ -103,7 +74,7 @@ fn what_auto_chooses_is_not_given_by_hand_too() {
     let folder = tempfile::tempdir().unwrap();
     for flag in [["--block", "4"], ["--cut", "best"], ["--cuts", "3"]] {
         let args = [&["render", POT, "--backend", "reference"], &flag[..]].concat();
-        let error = fails(folder.path(), &args);
+        let error = refused(folder.path(), &args);
         let name = format!("{}: ", flag[0].trim_start_matches("--"));
         assert!(error.contains(&name) && error.contains("auto"), "{error}");
     }
@@ -187,7 +158,7 @@ fn a_bad_profile_is_named_with_its_field() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let render = ["render", POT, "--profile", "bad.toml"];
-    assert!(fails(folder, &render).contains("bad.toml"));
+    assert!(refused(folder, &render).contains("bad.toml"));
     for (text, named) in [
         ("backend = \"cpu\"\nmethod = \"hulk\"\nblock = 8", "method"),
         ("backend = \"cpu\"\nmethod = \"hull\"\nblock = 7", "block"),
@@ -197,7 +168,7 @@ fn a_bad_profile_is_named_with_its_field() {
         ),
     ] {
         fs::write(folder.join("bad.toml"), text).unwrap();
-        let error = fails(folder, &render);
+        let error = refused(folder, &render);
         assert!(
             error.contains("bad.toml") && error.contains(named),
             "{error}"
@@ -223,7 +194,7 @@ fn a_profile_never_replaces_the_volume() {
         "--backends",
         "reference",
     ];
-    let error = fails(folder.path(), &args);
+    let error = refused(folder.path(), &args);
     assert!(error.contains("the volume itself"), "{error}");
     assert_eq!(fs::read(&volume).unwrap(), before);
     let chart = [
@@ -234,7 +205,7 @@ fn a_profile_never_replaces_the_volume() {
         "--chart",
         "scan.jpg",
     ];
-    assert!(fails(folder.path(), &chart).contains(".svg"));
+    assert!(refused(folder.path(), &chart).contains(".svg"));
 }
 
 #[test]

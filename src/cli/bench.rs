@@ -30,7 +30,7 @@ Examples:
   hollowcast report quick.jsonl -o quick.html              what was measured, as a page
 
 A suite is a TOML file of scenes and sweeps over backends, methods, blocks, steps, samplers, modes, early termination and
-sizes; benches/ has two to begin with. Cases of one scene, mode, size, sampler and step take turns (A B C, A B C, ...), and
+sizes; benches/ has three to begin with. Cases of one scene, mode, size, sampler and step take turns (A B C, A B C, ...), and
 do so once more where times scatter. Every finished case is a line of the results, which the command that measures it again
 names. A run that was stopped goes on where it was, on the same machine and with the same program; other results are never
 overwritten. Volumes are looked for in data/, then in the folder of --data; a missing one is stood in for where the suite
@@ -84,8 +84,6 @@ pub(super) struct Planned {
 struct Words {
     /// As it is typed.
     line: String,
-    /// As it is typed for the error alone, where that can be.
-    truth: Option<String>,
     /// What it comes to.
     args: compare::Args,
 }
@@ -198,10 +196,8 @@ impl Planned {
         let place = &places[group.scene];
         let commands = group.cases.iter().map(|case| {
             let words = group.words(case, suite, &place.path);
-            let of_truth = group.truth_words(case, suite, &place.path);
             Ok(Words {
                 line: suite_words::line("compare", &place.word, &words),
-                truth: of_truth.map(|words| suite_words::line("truth", &place.word, &words)),
                 args: suite_words::parsed(&words)?,
             })
         });
@@ -298,7 +294,6 @@ impl Bench<'_> {
                 contestants.push(Contestant {
                     case: case.clone(),
                     command: words.line.clone(),
-                    truth_command: words.truth.clone(),
                     renderer,
                     views,
                 });

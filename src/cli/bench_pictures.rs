@@ -22,7 +22,7 @@ impl Bench<'_> {
             return Ok(());
         };
         let about = PictureRecord {
-            command: first.command.clone(),
+            command: self.truth_command(row, planned.group.scene),
             scene: row.scene.clone(),
             backend: row.backend.clone(),
             method: String::new(),
@@ -38,6 +38,22 @@ impl Bench<'_> {
         self.results.pictures.extend(pictures.iter().cloned());
         self.writer.append(&[Record::Pictures { pictures }])?;
         Ok(())
+    }
+
+    /// The words that all pictures of a row begin with.
+    fn words(&self, row: &PictureRow, scene: usize) -> Vec<String> {
+        let mut words = self.suite.scenes[scene].words(&self.places[scene].path);
+        words.extend(["--size".to_owned(), row.size.to_string()]);
+        if row.mode != MODES[0].name {
+            words.extend(["--mode".to_owned(), row.mode.clone()]);
+        }
+        words
+    }
+
+    fn truth_command(&self, row: &PictureRow, scene: usize) -> String {
+        let output = ["-o".to_owned(), "truth.png".to_owned()];
+        let words: Vec<String> = self.words(row, scene).into_iter().chain(output).collect();
+        suite_words::line("truth", &self.places[scene].word, &words)
     }
 
     /// Whether a row is in the results.
@@ -56,11 +72,7 @@ impl Bench<'_> {
         let renderer = &self.renderers[renderer];
         let mut shown = Vec::new();
         for method in &row.methods {
-            let mut words = self.suite.scenes[planned.group.scene].words(&place.path);
-            words.extend(["--size".to_owned(), row.size.to_string()]);
-            if row.mode != MODES[0].name {
-                words.extend(["--mode".to_owned(), row.mode.clone()]);
-            }
+            let words = self.words(row, planned.group.scene);
             let block = row.block.to_string();
             let with = |flags: [&str; 4]| {
                 let values = [&row.step, &row.backend, method, &block];

@@ -13,7 +13,7 @@ Examples:
 
 The page is one file that needs no network: charts of error over time with their Pareto fronts, the published tables beside
 what was measured, pictures, and under each number the command that measures it again. --charts writes its charts as SVG and
-PNG files too, and its pictures.";
+PNG files too, and its pictures; --tables its tables as Markdown.";
 
 /// Makes a page of measured results.
 #[derive(Debug, clap::Args)]
@@ -30,20 +30,34 @@ pub(super) struct Args {
     /// A folder for the charts as SVG and PNG files, and the pictures
     #[arg(long, value_name = "DIR")]
     charts: Option<PathBuf>,
+
+    /// A file for the tables as Markdown
+    #[arg(long, value_name = "FILE.md")]
+    tables: Option<PathBuf>,
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
-    let bad = |reason: &str| Err(Error::file(&args.output, "output", reason));
-    if args.results.contains(&args.output) {
-        return bad("is one of the results, which would be lost");
-    }
-    if args.output.is_dir() {
-        return bad("is a folder");
+    for (name, output) in [
+        ("output", Some(&args.output)),
+        ("tables", args.tables.as_ref()),
+    ] {
+        let Some(output) = output else { continue };
+        let bad = |reason: &str| Err(Error::file(output, name, reason));
+        if args.results.contains(output) {
+            return bad("is one of the results, which would be lost");
+        }
+        if output.is_dir() {
+            return bad("is a folder");
+        }
     }
     let results = args.results.iter().map(|path| Results::read(path));
     let results = results.collect::<Result<Vec<_>>>()?;
     let figures = report::write(&results, &args.output)?;
     let mut files = vec![args.output.clone()];
+    if let Some(tables) = &args.tables {
+        report::write_tables(&results, tables)?;
+        files.push(tables.clone());
+    }
     if let Some(folder) = &args.charts {
         files.extend(report::write_charts(&figures, folder)?);
         files.extend(report::write_pictures(&results, folder)?);

@@ -87,8 +87,9 @@ impl Explained {
             per_pixel(counters.skip_steps),
         ));
         lines.push(format!(
-            "sampler: {}, in mode {}",
+            "sampler: {}, classification {}, in mode {}",
             self.sampler.name(),
+            settings.classification.name(),
             settings.mode.name()
         ));
         lines.push(match &self.ert {

@@ -70,7 +70,7 @@ pub(super) struct Args {
     #[arg(long, value_name = "N", value_parser = scene_args::block, help_heading = "Picture")]
     block: Option<usize>,
 
-    /// What `hollowcast tune` found: method, blocks, cuts and backend, and, tuned for a budget, sampler, step and --ert;
+    /// What `hollowcast tune` found: method, blocks, cuts and backend, and, tuned for a budget, sampler, classification, step and --ert;
     /// what is given as a flag counts instead
     #[arg(long, value_name = "FILE", help_heading = "Picture")]
     profile: Option<PathBuf>,
@@ -277,6 +277,11 @@ impl Args {
         Settings {
             cuts: self.scene.cuts_or(cuts),
             sampler: self.scene.sampler.or(accuracy.map(|a| a.sampler)),
+            classification: self
+                .scene
+                .classification
+                .or(accuracy.map(|a| a.classification))
+                .unwrap_or_default(),
             ert: self
                 .scene
                 .ert

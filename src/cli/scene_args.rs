@@ -40,9 +40,9 @@ pub(super) struct SceneArgs {
     pub(super) sampler: Option<Sampler>,
 
     /// When samples get their colour: from the interpolated value (post), voxel by voxel before colours are interpolated
-    /// (pre), or for all values between two samples at once (pre-integrated)
-    #[arg(long, default_value = "post", value_parser = values::named(Classification::ALL, Classification::name))]
-    pub(super) classification: Classification,
+    /// (pre), or for all values between two samples at once (pre-integrated) [default: post]
+    #[arg(long, value_parser = values::named(Classification::ALL, Classification::name))]
+    pub(super) classification: Option<Classification>,
 
     /// Width and height in pixels
     #[arg(long, value_name = "WxH", default_value = "512x512", value_parser = values::size)]
@@ -80,7 +80,7 @@ impl SceneArgs {
             skip,
             cuts: self.cuts(),
             sampler: self.sampler,
-            classification: self.classification,
+            classification: self.classification.unwrap_or_default(),
             mode,
             gradients: self.mode.gradients(),
             depth_cue: self.mode.depth_cue,

@@ -41,7 +41,7 @@ runs (A B C, A B C, ...). A view's time is the median of its runs, a row's the m
 structures stand, without read-back. The fastest becomes a profile for `render --profile`; what auto would have chosen
 without trying is told beside it. With --sweep block, sizes 2 to 64 are compared, and no profile is written.
 
-With a budget, sampler, step and early termination are searched too: the fastest whose error against the truth (see
+With a budget, sampler, classification, step and early termination are searched too, unless they are given: the fastest whose error against the truth (see
 `hollowcast truth --help`) stays inside it, over views all around and the worst that is found from there, or the most
 accurate inside the time. Nothing is written where nothing stays inside.";
 
@@ -143,6 +143,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
             json: args.json,
             tf: &args.scene.tf,
             backends: &args.backends,
+            classification: args.scene.classification,
+            ert: args.scene.ert,
         };
         return tune_budget::run(&args.error, &task, &mut renderers, &volume, &transfer);
     }

@@ -5,13 +5,14 @@ use std::path::Path;
 use std::sync::Arc;
 
 use hollowcast::Result;
-use hollowcast::measure::budget::{self, Budget, Found};
+use hollowcast::measure::budget::{self, Budget, Found, THRESHOLDS};
 use hollowcast::measure::machine::Machine;
 use hollowcast::measure::profile::Profile;
 use hollowcast::measure::truth::Truths;
 use hollowcast::measure::tune;
 use hollowcast::output::write_atomically;
 use hollowcast::render::{BackendChoice, Renderer};
+use hollowcast::sample::Classification;
 use hollowcast::transfer::TransferFunction;
 use hollowcast::volume::Volume;
 use serde_json::json;
@@ -81,6 +82,9 @@ pub(super) struct Task<'a> {
     pub(super) json: bool,
     pub(super) tf: &'a str,
     pub(super) backends: &'a [BackendChoice],
+    /// What is given and not searched.
+    pub(super) classification: Option<Classification>,
+    pub(super) ert: Option<f32>,
 }
 
 pub(super) fn run(
@@ -99,6 +103,14 @@ pub(super) fn run(
             0
         },
         error_size: args.error_size,
+        classifications: match task.classification {
+            Some(given) => vec![given],
+            None => Classification::ALL.to_vec(),
+        },
+        thresholds: match task.ert {
+            Some(given) => vec![given],
+            None => THRESHOLDS.to_vec(),
+        },
     };
     let progress = Progress::bar("tuning");
     let mut truths = Truths::new(volume, transfer)?;
@@ -121,6 +133,7 @@ pub(super) fn run(
             "size": plan.tuning.settings.size,
             "budget": task.budget,
             "sampler": found.accuracy.sampler.name(),
+            "classification": found.accuracy.classification.name(),
             "step_voxels": found.accuracy.step_voxels,
             "ert": report::decimal(found.accuracy.ert),
             "error": found.error,

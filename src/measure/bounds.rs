@@ -106,40 +106,82 @@ mod tests {
 
     use super::*;
     use crate::camera::Orbit;
+    use crate::measure::truth::Truths;
     use crate::render::BackendChoice;
     use crate::transfer::ControlPoint;
     use crate::volume::phantom;
 
     #[test]
     fn no_ray_that_stops_early_is_off_by_more_than_its_bound() {
-        let volume = Arc::new(phantom::make("full", [16; 3]).unwrap());
-        let point = ControlPoint {
-            value: 0.0,
-            opacity: 0.2,
-            color: [1.0, 0.8, 0.1],
-        };
-        let transfer = TransferFunction::new(vec![point], 1.0).unwrap();
         let mut renderer = Renderer::new(BackendChoice::Cpu).unwrap();
-        renderer.set_volume(Arc::clone(&volume)).unwrap();
-        renderer.set_transfer(transfer.clone());
-        let settings = Settings {
-            size: [16; 2],
-            ..Settings::new(Orbit::default().camera(volume.extent()))
-        };
-        let whole = Settings {
-            ert: 1.0,
-            ..settings
-        };
-        let whole = renderer.render(&whole).unwrap().picture;
-        for ert in [0.5, 0.9, 0.98] {
-            let settings = Settings { ert, ..settings };
-            let bound = ert_bound(&transfer, &settings).unwrap();
-            let stopped = renderer.render(&settings).unwrap().picture;
-            let off = metrics([(&stopped, &whole)]).max_abs;
-            assert!(
-                off > 0.0 && off <= bound.error + 1e-6,
-                "{ert}: {off} {bound:?}"
-            );
+        let mut reached = 0.0f64;
+        for (name, tf) in [
+            ("full", "ramp:0:255:0.2"),
+            ("pot", "ramp:40:255:0.9"),
+            ("shells", "translucent"),
+            ("noise", "ramp:40:255:0.5"),
+        ] {
+            let volume = Arc::new(phantom::make(name, [16; 3]).unwrap());
+            let statistics = crate::volume::Statistics::of(&volume);
+            let transfer = TransferFunction::from_spec(tf, &statistics).unwrap();
+            renderer.set_volume(Arc::clone(&volume)).unwrap();
+            renderer.set_transfer(transfer.clone());
+            for mode in ["emission-absorption", "shaded", "grey"] {
+                let row = crate::mode::MODES.iter().find(|r| r.name == mode).unwrap();
+                let settings = Settings {
+                    size: [16; 2],
+                    mode: (row.suited_to)(&statistics),
+                    ..Settings::new(Orbit::default().camera(volume.extent()))
+                };
+                let whole = Settings {
+                    ert: 1.0,
+                    ..settings
+                };
+                let whole = renderer.render(&whole).unwrap().picture;
+                for ert in [0.5, 0.9, 0.98] {
+                    let settings = Settings { ert, ..settings };
+                    let bound = ert_bound(&transfer, &settings).unwrap();
+                    let stopped = renderer.render(&settings).unwrap().picture;
+                    let off = metrics([(&stopped, &whole)]).max_abs;
+                    assert!(
+                        off <= bound.error + 1e-6,
+                        "{name} {mode} {ert}: {off} {bound:?}"
+                    );
+                    reached = reached.max(off / bound.error);
+                }
+            }
+        }
+        // A bound that is never near to what it bounds would tell nothing.
+        assert!(reached > 0.5, "{reached}");
+    }
+
+    #[test]
+    fn the_step_leaves_no_more_than_estimated_where_it_meets_all_there_is() {
+        let mut renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+        for name in ["full", "pot", "shells", "capsules", "gyroid"] {
+            let volume = Arc::new(phantom::make(name, [24; 3]).unwrap());
+            let statistics = crate::volume::Statistics::of(&volume);
+            let transfer = TransferFunction::from_spec("translucent", &statistics).unwrap();
+            renderer.set_volume(Arc::clone(&volume)).unwrap();
+            renderer.set_transfer(transfer.clone());
+            for step_voxels in [0.25, 0.5] {
+                let settings = Settings {
+                    size: [24; 2],
+                    step_voxels,
+                    ert: 1.0,
+                    ..Settings::new(Orbit::default().camera(volume.extent()))
+                };
+                let estimate = step_estimate(&mut renderer, &settings).unwrap();
+                let truths = Truths::new(&volume, &transfer).unwrap();
+                let truth = truths.kept_in(None).of(&settings, |_| ()).unwrap();
+                let picture = renderer.render(&settings).unwrap().picture;
+                let off = metrics([(&picture, &truth)]);
+                assert!(
+                    off.rms <= estimate.rms + truth.bound
+                        && off.max_abs <= estimate.max_abs + truth.bound,
+                    "{name} {step_voxels}: {off:?} {estimate:?}"
+                );
+            }
         }
     }
 

@@ -134,6 +134,10 @@ pub struct Row {
     pub psnr_vs_reference_db: Option<f64>,
     /// The same pictures' largest difference of any channel.
     pub max_abs_diff_vs_reference: Option<f64>,
+    /// Their mean absolute difference.
+    pub mean_abs_diff_vs_reference: Option<f64>,
+    /// The share of their pixels that are off by more than 1/255.
+    pub off_share_vs_reference: Option<f64>,
 }
 
 /// What [`compare`] found.
@@ -253,6 +257,8 @@ pub fn compare(
                     max_abs_diff_vs_box: outcome.max_abs,
                     psnr_vs_reference_db: error.map(|e| e.psnr_db()),
                     max_abs_diff_vs_reference: error.map(|e| e.max_abs),
+                    mean_abs_diff_vs_reference: error.map(|e| e.mean_abs),
+                    off_share_vs_reference: error.map(|e| e.off_share),
                 });
             }
             all.extend(outcomes);

@@ -11,13 +11,15 @@ use super::truth::{Truth, Truths};
 use crate::camera::Camera;
 use crate::error::Result;
 use crate::render::{Renderer, Settings};
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 
 /// What decides a picture's error: lossless methods do not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Accuracy {
     /// HOW samples are taken.
     pub sampler: Sampler,
+    /// When samples get their colour.
+    pub classification: Classification,
     /// Distance of two samples in voxels of the smallest spacing.
     pub step_voxels: f64,
     /// Accumulated opacity at which a ray stops; 1 or more: never.
@@ -29,13 +31,14 @@ impl Accuracy {
     pub fn in_settings(&self, settings: &Settings) -> Settings {
         Settings {
             sampler: Some(self.sampler),
+            classification: self.classification,
             step_voxels: self.step_voxels,
             ert: self.ert,
             ..*settings
         }
     }
 
-    /// In words: `sampler exact, step 0.5, ert 0.98`.
+    /// In words: `sampler exact, classification post, step 0.5, ert 0.98`.
     pub fn words(&self) -> String {
         let ert = if self.ert >= 1.0 {
             "off".to_owned()
@@ -43,8 +46,9 @@ impl Accuracy {
             self.ert.to_string()
         };
         format!(
-            "sampler {}, step {:.4}, ert {ert}",
+            "sampler {}, classification {}, step {:.4}, ert {ert}",
             self.sampler.name(),
+            self.classification.name(),
             self.step_voxels
         )
     }

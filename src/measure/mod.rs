@@ -12,6 +12,7 @@ pub mod race;
 pub mod stability;
 pub mod statistics;
 pub mod suite;
+mod toml_text;
 pub mod truth;
 pub mod tune;
 pub mod verify;

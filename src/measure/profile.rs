@@ -6,9 +6,10 @@ use std::path::Path;
 use serde::Deserialize;
 
 use super::errors::Accuracy;
+use super::toml_text;
 use crate::error::{Error, Result};
 use crate::render::{BackendChoice, Choice};
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 use crate::skip::{Cuts, HalfCut, METHODS, Skip, SlabCount};
 
 /// A choice, and the backend that it is for.
@@ -18,7 +19,7 @@ pub struct Profile {
     pub backend: BackendChoice,
     /// Method, block size and cuts.
     pub choice: Choice,
-    /// Sampler, step and early termination, where it was tuned for a budget.
+    /// Sampler, classification, step and early termination, where it was tuned for a budget.
     pub accuracy: Option<Accuracy>,
 }
 
@@ -31,6 +32,7 @@ struct File {
     cut: Option<String>,
     cuts: Option<String>,
     sampler: Option<String>,
+    classification: Option<String>,
     step: Option<f64>,
     ert: Option<f32>,
 }
@@ -53,14 +55,7 @@ impl Profile {
     /// # Errors
     /// [`Error::Setting`] naming the line or field that is wrong.
     pub fn from_toml(text: &str) -> Result<Self> {
-        let file: File = toml::from_str(text).map_err(|e| {
-            let before = e.span().and_then(|span| text.get(..span.start));
-            let line = before.unwrap_or_default().matches('\n').count() + 1;
-            Error::setting(
-                format!("line {line}"),
-                e.message().trim().replace('\n', " "),
-            )
-        })?;
+        let file: File = toml_text::parse(text)?;
         let unknown = |field: &str, given: &str, names: &[&str]| {
             let given = given.escape_debug();
             Error::setting(
@@ -103,15 +98,21 @@ impl Profile {
                 if !(ert > 0.0 && ert <= 1.0) {
                     return Err(Error::setting("ert", "must lie above 0 and be at most 1"));
                 }
+                let name = file.classification.as_deref();
+                let name = name.unwrap_or(Classification::Post.name());
+                let classification = Classification::ALL.iter().find(|c| c.name() == name);
+                let all: Vec<&str> = Classification::ALL.iter().map(|c| c.name()).collect();
                 Some(Accuracy {
                     sampler: *found.ok_or_else(|| unknown("sampler", sampler, &names))?,
+                    classification: *classification
+                        .ok_or_else(|| unknown("classification", name, &all))?,
                     step_voxels,
                     ert,
                 })
             }
-            (None, None, None) => None,
+            (None, None, None) if file.classification.is_none() => None,
             _ => {
-                let reason = "belong together: all three or none";
+                let reason = "belong together: all of them or none";
                 return Err(Error::setting("sampler, step, ert", reason));
             }
         };
@@ -141,6 +142,8 @@ impl Profile {
         let _ = writeln!(text, "cuts = \"{}\"", cuts.slabs);
         if let Some(accuracy) = &self.accuracy {
             let _ = writeln!(text, "sampler = \"{}\"", accuracy.sampler.name());
+            let classification = accuracy.classification.name();
+            let _ = writeln!(text, "classification = \"{classification}\"");
             let _ = writeln!(text, "step = {:?}", accuracy.step_voxels);
             let _ = writeln!(text, "ert = {:?}", accuracy.ert);
         }
@@ -170,6 +173,7 @@ mod tests {
                         },
                         accuracy: (half == HalfCut::Best).then_some(Accuracy {
                             sampler: Sampler::Hardware,
+                            classification: Classification::PreIntegrated,
                             step_voxels: 2.0_f64.sqrt(),
                             ert: 0.98,
                         }),
@@ -204,6 +208,16 @@ mod tests {
             ),
             (format!("{good}cuts = \"99\"\n"), "cuts: expected"),
             (format!("{good}step = 0.5\n"), "sampler, step, ert: belong"),
+            (
+                format!("{good}classification = \"pre\"\n"),
+                "sampler, step, ert: belong",
+            ),
+            (
+                format!(
+                    "{good}step = 0.5\nert = 0.9\nsampler = \"exact\"\nclassification = \"late\"\n"
+                ),
+                "classification: \"late\" is none of",
+            ),
             (
                 format!("{good}step = 0.5\nert = 0.9\nsampler = \"soft\"\n"),
                 "sampler: \"soft\" is none of",

@@ -1,4 +1,4 @@
-//! Line charts as SVG or PNG: the one place that knows the charting crate.
+//! Line charts as SVG or PNG: beside `drawing.rs` the one place that knows the charting crate.
 
 use std::io::Write;
 use std::path::Path;
@@ -46,10 +46,11 @@ pub struct Line {
     pub points: Vec<[f64; 2]>,
 }
 
-/// Colours that are told apart with any kind of sight (Okabe & Ito 2008), then darker ones.
-const COLORS: [&str; 12] = [
-    "#000000", "#e69f00", "#56b4e9", "#009e73", "#d55e00", "#cc79a7", "#0072b2", "#c0b400",
-    "#7f7f7f", "#5d3a9b", "#6b4226", "#1b5e20",
+/// Colours on white that are told apart with any kind of sight (after Okabe & Ito 2008), then others: as many as there are
+/// methods with auto.
+pub const COLORS: [&str; 13] = [
+    "#1d2126", "#c77c02", "#2d8fc9", "#00875f", "#c8501a", "#b0578c", "#1559a8", "#8a7f00",
+    "#7d7d7d", "#6d3fb0", "#7a4a2a", "#2f7d32", "#d0246e",
 ];
 
 /// The most points of a line that are marked.
@@ -69,7 +70,7 @@ fn kind(name: &str) -> &str {
 const PANEL: [f64; 2] = [520.0, 340.0];
 
 /// Pixels of a PNG per pixel of the SVG.
-const PNG_SCALE: f32 = 2.0;
+pub(super) const PNG_SCALE: f32 = 2.0;
 
 /// Checks that a chart's file has a name that says its format.
 ///
@@ -79,12 +80,12 @@ pub fn check_path(path: &Path) -> Result<()> {
     format(path).map(|_| ())
 }
 
-enum Format {
+pub(super) enum Format {
     Svg,
     Png,
 }
 
-fn format(path: &Path) -> Result<Format> {
+pub(super) fn format(path: &Path) -> Result<Format> {
     match path.extension().and_then(|e| e.to_str()) {
         Some("svg") => Ok(Format::Svg),
         Some("png") => Ok(Format::Png),

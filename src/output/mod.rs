@@ -6,6 +6,7 @@
 
 mod atomic;
 pub mod chart;
+pub mod drawing;
 mod exr;
 mod font;
 pub mod heat;

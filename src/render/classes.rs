@@ -55,7 +55,7 @@ impl Classes {
 }
 
 /// Checks that backend, mode and method go with the settings' classification.
-pub(super) fn check(settings: &Settings, backend: &str) -> Result<()> {
+pub(crate) fn check(settings: &Settings, backend: &str) -> Result<()> {
     let classification = settings.classification;
     if classification == Classification::Post {
         return Ok(());

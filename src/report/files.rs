@@ -7,10 +7,10 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
 use super::charts::file_name;
-use super::figure::{Figure, Series};
+use super::drawing::drawing;
+use super::figure::Figure;
 use crate::error::{Error, Result};
 use crate::measure::suite::{PictureRecord, Results, What};
-use crate::output::chart::{Chart, Line, Panel};
 use crate::output::write_atomically;
 
 /// Writes every chart into a folder, which is made if it is missing; gives the files.
@@ -21,10 +21,10 @@ pub fn write_charts(figures: &[Figure], folder: &Path) -> Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
     let mut paths = Vec::new();
     for figure in figures {
-        let chart = chart(figure);
+        let drawing = drawing(figure);
         for ending in ["svg", "png"] {
             let path = folder.join(format!("{}.{ending}", figure.id));
-            chart.write(&path)?;
+            drawing.write(&path)?;
             paths.push(path);
         }
     }
@@ -58,32 +58,4 @@ pub fn write_pictures(results: &[Results], folder: &Path) -> Result<Vec<PathBuf>
         paths.push(path);
     }
     Ok(paths)
-}
-
-fn chart(figure: &Figure) -> Chart {
-    let name = |series: &Series| format!("{} ({})", series.method, series.kind);
-    let mut lines: Vec<Line> = figure
-        .series
-        .iter()
-        .map(|series| Line {
-            name: name(series),
-            points: series.points.iter().map(|p| [p.x, p.y]).collect(),
-        })
-        .collect();
-    if !figure.front.is_empty() {
-        lines.push(Line {
-            name: "Pareto front".to_owned(),
-            points: figure.front.clone(),
-        });
-    }
-    Chart {
-        title: figure.title.clone(),
-        panels: vec![Panel {
-            x_label: figure.x.label.clone(),
-            y_label: figure.y.label.clone(),
-            log_x: figure.x.log,
-            log_y: figure.y.log,
-            lines,
-        }],
-    }
 }

@@ -1,8 +1,11 @@
-//! Results as a page that a browser shows without a network, and as chart files.
+//! Results as a page that a browser shows without a network, as chart files, and their tables as Markdown.
 
 mod charts;
+mod drawing;
 pub mod figure;
 mod files;
+mod layout;
+mod markdown;
 mod model;
 mod number;
 mod page;
@@ -17,6 +20,7 @@ pub use files::{write_charts, write_pictures};
 
 use self::figure::Figure;
 use self::model::Model;
+use self::tables::Tables;
 use crate::error::Result;
 use crate::measure::suite::Results;
 use crate::output::write_atomically;
@@ -28,13 +32,17 @@ use crate::output::write_atomically;
 pub fn write(results: &[Results], path: &Path) -> Result<Vec<Figure>> {
     let model = Model::new(results);
     let figures = charts::all(&model);
-    let tables = page::Tables {
-        splits: tables::splits(&model),
-        modes: tables::modes(&model),
-        structures: tables::structures(&model),
-        everything: tables::everything(&model),
-    };
-    let text = page::page(&model, &figures, &tables).into_string();
+    let text = page::page(&model, &figures, &Tables::new(&model)).into_string();
     write_atomically(path, |file| file.write_all(text.as_bytes()))?;
     Ok(figures)
+}
+
+/// Writes the tables of these results as Markdown.
+///
+/// # Errors
+/// [`crate::Error::Io`].
+pub fn write_tables(results: &[Results], path: &Path) -> Result<()> {
+    let model = Model::new(results);
+    let text = markdown::text(&model, &Tables::new(&model));
+    write_atomically(path, |file| file.write_all(text.as_bytes()))
 }

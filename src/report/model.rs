@@ -1,6 +1,8 @@
 //! The cases of all results, as the report's charts and tables ask for them.
 
-use super::figure::{Mark, Point};
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::figure::Point;
 use super::number::short;
 use crate::measure::suite::{CaseRecord, Paper, Results, SceneRecord};
 use crate::mode::MODES;
@@ -67,6 +69,27 @@ impl<'a> Model<'a> {
     }
 }
 
+/// The different errors of lossless cases, bit for bit, by all that decides them: one, unless a method is not what it says.
+pub(super) fn error_lines(cases: &[Case]) -> BTreeMap<String, BTreeSet<[u64; 2]>> {
+    let mut lines: BTreeMap<String, BTreeSet<[u64; 2]>> = BTreeMap::new();
+    for case in cases.iter().filter(|c| c.record.lossless) {
+        let record = case.record;
+        let Some(error) = &record.error else { continue };
+        let line = format!(
+            "{}, {}, {}, step {}, ERT {}, {:?}",
+            record.scene,
+            case.kind(),
+            record.mode,
+            record.step,
+            record.ert,
+            error.size
+        );
+        let bits = [error.rms, error.max_abs].map(f64::to_bits);
+        lines.entry(line).or_default().insert(bits);
+    }
+    lines
+}
+
 impl Case<'_> {
     /// Where and how samples are taken: cases of one kind are drawn with one mark.
     pub(super) fn kind(&self) -> String {
@@ -83,17 +106,6 @@ impl Case<'_> {
         match self.run {
             Some(run) => format!("{kind} (results {run})"),
             None => kind,
-        }
-    }
-
-    /// The mark of its kind.
-    pub(super) fn mark(&self) -> Mark {
-        match (self.record.backend.as_str(), self.record.sampler.as_str()) {
-            _ if self.record.classification.is_some() => Mark::Diamond,
-            ("cpu", _) => Mark::Disc,
-            ("gpu", "exact") => Mark::Ring,
-            ("gpu", "hardware") => Mark::Square,
-            _ => Mark::Triangle,
         }
     }
 
@@ -130,17 +142,8 @@ impl Case<'_> {
             x,
             y,
             label: self.label(),
-            command: self.commands().join("\n"),
+            command: self.record.command.clone(),
         }
-    }
-
-    /// What measures it again: its time, then its error.
-    pub(super) fn commands(&self) -> Vec<String> {
-        let of_error = self.record.error.as_ref().and_then(|e| e.command.clone());
-        [Some(self.record.command.clone()), of_error]
-            .into_iter()
-            .flatten()
-            .collect()
     }
 
     /// Median frame time in ms.

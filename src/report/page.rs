@@ -3,10 +3,10 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::figure::Figure;
-use super::model::Model;
+use super::model::{Model, error_lines};
 use super::number::short;
 use super::svg;
-use super::tables::{Row, Table};
+use super::tables::{NONE, Row, Table, Tables};
 use crate::measure::suite::{PictureRecord, Results, What};
 
 const STYLE: &str = include_str!("style.css");
@@ -14,14 +14,6 @@ const SCRIPT: &str = include_str!("script.js");
 
 /// Nothing but what the page holds itself.
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
-
-/// What the page shows besides the charts.
-pub(super) struct Tables {
-    pub(super) splits: Vec<Table>,
-    pub(super) modes: Option<Table>,
-    pub(super) structures: Option<Table>,
-    pub(super) everything: Table,
-}
 
 pub(super) fn page(model: &Model, figures: &[Figure], tables: &Tables) -> Markup {
     let of = |prefix: &str| -> Vec<&Figure> {
@@ -31,7 +23,6 @@ pub(super) fn page(model: &Model, figures: &[Figure], tables: &Tables) -> Markup
             .collect()
     };
     let growth: Vec<&Figure> = [of("volume-size"), of("image-size")].concat();
-    let blocks: Vec<&Figure> = [of("blocks"), of("memory")].concat();
     let title = model
         .results
         .first()
@@ -46,7 +37,7 @@ pub(super) fn page(model: &Model, figures: &[Figure], tables: &Tables) -> Markup
                 meta name="color-scheme" content="light dark";
                 link rel="icon" href="data:,";
                 title { "hollowcast: " (title) }
-                style { (PreEscaped(STYLE)) }
+                style { (PreEscaped(svg::colors())) (PreEscaped(STYLE)) }
             }
             body {
                 header {
@@ -65,9 +56,12 @@ pub(super) fn page(model: &Model, figures: &[Figure], tables: &Tables) -> Markup
                         }))
                     }
                     @if let Some(modes) = &tables.modes { (section("by-mode", "Modes", table(modes))) }
+                    @if !tables.methods.is_empty() {
+                        (section("by-method", "Methods by scenes", html! { @for one in &tables.methods { (table(one)) } }))
+                    }
                     (charts("growth", "Growth", &growth))
-                    (charts("by-block", "Blocks", &blocks))
-                    (charts("work", "Work", &of("samples")))
+                    (charts("block-size", "Blocks", &of("by-block")))
+                    (charts("samples", "Work", &of("work")))
                     @if let Some(structures) = &tables.structures { (section("by-structure", "Structures", table(structures))) }
                     (pictures(model))
                     (section("cases", "Every case", html! { details { summary { (tables.everything.rows.len()) " cases" } (table(&tables.everything)) } }))
@@ -85,7 +79,7 @@ fn section(id: &str, title: &str, content: impl maud::Render) -> Markup {
 fn charts(id: &str, title: &str, figures: &[&Figure]) -> Markup {
     html! {
         @if !figures.is_empty() {
-            (section(id, title, html! { @for figure in figures { (svg::figure(figure)) } }))
+            (section(id, title, html! { div class=[(id != "error").then_some("wide")] { @for figure in figures { (svg::figure(figure)) } } }))
         }
     }
 }
@@ -124,11 +118,20 @@ fn header(results: &Results, place: usize, of: usize) -> Markup {
 fn lossless(model: &Model) -> Markup {
     let lossless = || model.cases.iter().filter(|c| c.record.lossless);
     let differing: u64 = lossless().map(|c| c.record.differing_pixels_vs_box).sum();
+    let lines = error_lines(&model.cases);
+    let bent = lines.values().filter(|errors| errors.len() > 1).count();
     html! {
         p class=(if differing == 0 { "good" } else { "warn" }) {
             "Of " (lossless().count()) " cases of lossless methods, "
             @if differing == 0 { "no pixel differs from box's in any bit." }
             @else { (differing) " pixels differ from box's." }
+        }
+        @if !lines.is_empty() {
+            p class=(if bent == 0 { "good" } else { "warn" }) {
+                "Their errors against the truth lie on " (lines.len()) " levels, one for each scene, backend, sampler, step and threshold: "
+                @if bent == 0 { "on each all are equal to the last digit." }
+                @else { "on " (bent) " of them they are not all equal." }
+            }
         }
     }
 }
@@ -160,10 +163,14 @@ fn table_row(row: &Row) -> Markup {
     html! {
         tr class=[row.is_published.then_some("published")] {
             @for cell in &row.cells {
-                td class=[cell.starts_with(|c: char| c.is_ascii_digit()).then_some("n")] { (cell) }
+                td class=[is_number(cell).then_some("n")] { (cell) }
             }
         }
     }
+}
+
+fn is_number(cell: &str) -> bool {
+    cell == NONE || cell.starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// What methods draw, row by row.
@@ -202,14 +209,13 @@ fn picture_set(set: &[(&Results, &PictureRecord)]) -> Markup {
         .scene(&first.scene)
         .map_or(first.scene.as_str(), |s| s.title.as_str());
     let of = |what: What| set.iter().map(|(_, p)| *p).filter(move |p| p.what == what);
-    let scale = |what: What| of(what).next().map_or(1.0, |p| p.scale);
+    let most = of(What::Samples).next().map_or(1.0, |p| p.scale);
     html! {
         h3 { (title) ", step " (first.step) ", " (first.backend) }
         (row(of(What::Picture), "Pictures", "What is drawn; the first is the truth, the converged picture."))
         (row(of(What::Difference), "Differences from the truth",
-            &format!("Largest absolute difference of a pixel's channels, times {}: white is {} and more.", short(scale(What::Difference)), short(1.0 / scale(What::Difference)))))
-        (row(of(What::Samples), "Samples per pixel",
-            &format!("Black is none, the brightest {}.", short(scale(What::Samples)))))
+            "Largest absolute difference of a pixel's channels, amplified as stands under it: at \u{d7} 100 white is a difference of 0.01 and more."))
+        (row(of(What::Samples), "Samples per pixel", &format!("Black is none, the brightest {}.", short(most))))
     }
 }
 
@@ -222,13 +228,14 @@ fn row<'a>(pictures: impl Iterator<Item = &'a PictureRecord>, title: &str, note:
                 @for picture in &pictures {
                     figure {
                         img src=(format!("data:image/png;base64,{}", picture.png)) alt=(format!("{title}: {}", picture.method)) title=(picture.command) width=(picture.size[0]) height=(picture.size[1]);
-                        figcaption { (picture.method) }
+                        figcaption { (picture.method) @if picture.what == What::Difference { ", \u{d7} " (picture.scale) } }
                     }
                 }
             }
             p class="note" { (note) }
             details class="commands" {
                 summary { "Commands" }
+                @if pictures.iter().any(|p| p.what != What::Picture) { p { "What these are different by, or take samples for; the pictures here are made by the suite." } }
                 @for picture in &pictures { pre { (picture.command) } }
             }
         }

@@ -4,24 +4,58 @@ use std::fmt::Write as _;
 
 use maud::{Markup, html};
 
-use super::figure::{Figure, Mark, Scale, Series};
+use super::figure::{Figure, Mark, Series, can_draw, kinds};
+use super::layout::{Layout, mark_path, methods};
+use crate::output::chart::COLORS;
 use crate::skip::METHODS;
 
-/// Width and height of the drawing, and of what surrounds its axes: left, top, right, bottom.
-const SIZE: [f64; 2] = [720.0, 420.0];
-const MARGIN: [f64; 4] = [68.0, 14.0, 18.0, 50.0];
+/// The colours of the methods and auto on black.
+const DARK: [&str; COLORS.len()] = [
+    "#f2f2f2", "#f0b040", "#6cc4f5", "#35c79a", "#f5834a", "#e08fc0", "#6f9df5", "#d8cd3a",
+    "#a8a8a8", "#b892f5", "#c98f68", "#74c778", "#ff6fa8",
+];
+
+/// Width and height of the drawing, and of what surrounds its axes: left, top, right, bottom. Phones show it at half its size
+/// and its text, by the style sheet, nearly at full size: the room is for that.
+const SIZE: [f64; 2] = [720.0, 520.0];
+const MARGIN: [f64; 4] = [74.0, 34.0, 16.0, 66.0];
+
+/// The rules that colour methods.
+pub(super) fn colors() -> String {
+    let rules = |colors: &[&str]| {
+        let each = colors.iter().enumerate();
+        let rules = each.map(|(i, color)| format!(".c{i} {{ color: {color}; }}"));
+        rules.collect::<Vec<_>>().join(" ")
+    };
+    format!(
+        "{}\n@media (prefers-color-scheme: dark) {{ {} }}\n",
+        rules(&COLORS),
+        rules(&DARK)
+    )
+}
+
+/// The class of a method's colour.
+fn color(method: &str) -> String {
+    format!("c{}", place(method))
+}
+
+/// A method's place among the colours.
+pub(super) fn place(method: &str) -> usize {
+    let place = METHODS.iter().position(|m| m.name == method);
+    place.unwrap_or(METHODS.len()).min(COLORS.len() - 1)
+}
 
 /// The figure with its legend and its note.
 pub(super) fn figure(figure: &Figure) -> Markup {
     html! {
         figure id=(figure.id) {
             figcaption { (figure.title) }
-            div class="scroll" { (drawing(figure)) }
+            (drawing(figure))
             div class="legend" {
                 @for method in methods(figure) {
                     span class=(color(method)) { (swatch(Mark::Disc)) (method) }
                 }
-                @for (mark, kind) in kinds(figure) {
+                @for (mark, kind) in kinds(&figure.series) {
                     span { (swatch(mark)) (kind) }
                 }
                 @if !figure.front.is_empty() {
@@ -55,90 +89,66 @@ pub(super) fn figure(figure: &Figure) -> Markup {
 fn swatch(mark: Mark) -> Markup {
     html! {
         svg viewBox="-6 -6 12 12" width="12" height="12" aria-hidden="true" {
-            path class=(mark_class(mark)) d=(path(mark)) {}
+            path class=(mark_class(mark)) d=(mark_path(mark)) {}
         }
     }
-}
-
-/// The methods of a figure, each once.
-fn methods(figure: &Figure) -> Vec<&str> {
-    let mut methods: Vec<&str> = Vec::new();
-    for series in &figure.series {
-        if !methods.contains(&series.method.as_str()) {
-            methods.push(&series.method);
-        }
-    }
-    methods
-}
-
-/// The kinds of a figure's points, each once.
-fn kinds(figure: &Figure) -> Vec<(Mark, &str)> {
-    let mut kinds: Vec<(Mark, &str)> = Vec::new();
-    for series in &figure.series {
-        if !kinds.iter().any(|(_, kind)| *kind == series.kind) {
-            kinds.push((series.mark, &series.kind));
-        }
-    }
-    kinds
-}
-
-/// The class of a method's colour.
-pub(super) fn color(method: &str) -> String {
-    let place = METHODS.iter().position(|m| m.name == method);
-    format!("c{}", place.unwrap_or(METHODS.len()))
 }
 
 fn drawing(figure: &Figure) -> Markup {
-    let levels = || figure.levels.iter().map(|(level, _)| *level);
-    let xs = Scale::of(&figure.x, figure.points().map(|p| p[0]));
-    let ys = Scale::of(&figure.y, figure.points().map(|p| p[1]).chain(levels()));
-    let [left, top, right, bottom] = [
-        MARGIN[0],
-        MARGIN[1],
-        SIZE[0] - MARGIN[2],
-        SIZE[1] - MARGIN[3],
-    ];
-    let x_at = |x: f64| left + xs.at(x) * (right - left);
-    let y_at = |y: f64| bottom - ys.at(y) * (bottom - top);
-    let place = |[x, y]: [f64; 2]| [x_at(x), y_at(y)];
+    let layout = Layout::new(figure, SIZE, MARGIN);
+    let (xs, ys) = (&layout.xs, &layout.ys);
+    let [left, top, right, bottom] = layout.frame;
+    let (x_at, y_at) = (|x: f64| layout.x_at(x), |y: f64| layout.y_at(y));
+    let place = |point: [f64; 2]| layout.at(point);
     html! {
-        svg class="chart" viewBox=(format!("0 0 {} {}", SIZE[0], SIZE[1])) role="img" aria-label=(figure.title) {
-            @for (tick, text) in &xs.ticks {
-                line class="grid" x1=(px(x_at(*tick))) x2=(px(x_at(*tick))) y1=(px(top)) y2=(px(bottom)) {}
-                text x=(px(x_at(*tick))) y=(px(bottom + 18.0)) text-anchor="middle" { (text) }
+            svg class="chart" viewBox=(format!("0 0 {} {}", SIZE[0], SIZE[1])) role="img" aria-label=(figure.title) {
+                @for x in &xs.between {
+                    line class="between" x1=(px(x_at(*x))) x2=(px(x_at(*x))) y1=(px(top)) y2=(px(bottom)) {}
+                }
+                @for y in &ys.between {
+                    line class="between" x1=(px(left)) x2=(px(right)) y1=(px(y_at(*y))) y2=(px(y_at(*y))) {}
+                }
+                @for (tick, text) in &xs.ticks {
+                    line class="grid" x1=(px(x_at(*tick))) x2=(px(x_at(*tick))) y1=(px(top)) y2=(px(bottom)) {}
+                    text x=(px(x_at(*tick))) y=(px(bottom + 22.0)) text-anchor="middle" { (text) }
+                }
+                @for (tick, text) in &ys.ticks {
+                    line class="grid" x1=(px(left)) x2=(px(right)) y1=(px(y_at(*tick))) y2=(px(y_at(*tick))) {}
+                    text x=(px(left - 8.0)) y=(px(y_at(*tick))) text-anchor="end" dominant-baseline="central" { (text) }
+                }
+                rect class="frame" x=(px(left)) y=(px(top)) width=(px(right - left)) height=(px(bottom - top)) {}
+                text class="label" x=(px(f64::midpoint(left, right))) y=(px(SIZE[1] - 10.0)) text-anchor="middle" { (figure.x.label) }
+    text class="label" x=(px(left)) y=(px(top - 12.0)) { (figure.y.label) }
+                @for (level, meaning) in layout.levels(figure) {
+                    line class="level" x1=(px(left)) x2=(px(right)) y1=(px(y_at(level))) y2=(px(y_at(level))) {}
+                    @if let Some(meaning) = meaning {
+                        text class="level" x=(px(right - 4.0)) y=(px(y_at(level) - 4.0)) text-anchor="end" { (meaning) }
+                    }
+                }
+                @if !figure.front.is_empty() {
+                    polyline class="front" points=(polyline(figure.front.iter().map(|p| place(*p)))) {}
+                }
+                @for series in &figure.series { (drawn(series, &place)) }
             }
-            @for (tick, text) in &ys.ticks {
-                line class="grid" x1=(px(left)) x2=(px(right)) y1=(px(y_at(*tick))) y2=(px(y_at(*tick))) {}
-                text x=(px(left - 8.0)) y=(px(y_at(*tick) + 4.0)) text-anchor="end" { (text) }
-            }
-            rect class="frame" x=(px(left)) y=(px(top)) width=(px(right - left)) height=(px(bottom - top)) {}
-            text class="label" x=(px(f64::midpoint(left, right))) y=(px(SIZE[1] - 10.0)) text-anchor="middle" { (figure.x.label) }
-            text class="label" transform=(format!("translate(14 {}) rotate(-90)", px(f64::midpoint(top, bottom)))) text-anchor="middle" { (figure.y.label) }
-            @for (level, meaning) in &figure.levels {
-                line class="level" x1=(px(left)) x2=(px(right)) y1=(px(y_at(*level))) y2=(px(y_at(*level))) {}
-                text class="level" x=(px(right - 4.0)) y=(px(y_at(*level) - 4.0)) text-anchor="end" { (meaning) }
-            }
-            @if !figure.front.is_empty() {
-                polyline class="front" points=(polyline(figure.front.iter().map(|p| place(*p)))) {}
-            }
-            @for series in &figure.series { (drawn(figure, series, &place)) }
         }
-    }
 }
 
-fn drawn(figure: &Figure, series: &Series, place: &impl Fn([f64; 2]) -> [f64; 2]) -> Markup {
+fn drawn(series: &Series, place: &impl Fn([f64; 2]) -> [f64; 2]) -> Markup {
     let points = || {
         let all = series.points.iter().map(|p| ([p.x, p.y], p));
-        all.filter(|(at, _)| figure.can_draw(*at))
+        all.filter(|(at, _)| can_draw(*at))
     };
     html! {
         g class=(color(&series.method)) {
             @if points().count() > 1 {
                 polyline class="join" points=(polyline(points().map(|(at, _)| place(at)))) {}
             }
+            // The mark is scaled by the style sheet, within the group that moves it.
             @for (at, point) in points() {
-                path class={ "p " (mark_class(series.mark)) } d=(path(series.mark)) transform=(translate(place(at))) {
-                    title { (point.label) "\n" (point.command) }
+                g transform=(translate(place(at))) {
+                    path class={ "p " (mark_class(series.mark)) } d=(mark_path(series.mark)) {
+                        title { (point.label) "\n" (point.command) }
+                    }
                 }
             }
         }
@@ -146,17 +156,7 @@ fn drawn(figure: &Figure, series: &Series, place: &impl Fn([f64; 2]) -> [f64; 2]
 }
 
 fn mark_class(mark: Mark) -> &'static str {
-    if mark == Mark::Ring { "ring" } else { "full" }
-}
-
-/// A mark around the origin.
-fn path(mark: Mark) -> &'static str {
-    match mark {
-        Mark::Disc | Mark::Ring => "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z",
-        Mark::Square => "M-3.6 -3.6h7.2v7.2h-7.2z",
-        Mark::Diamond => "M0 -5l5 5l-5 5l-5 -5z",
-        Mark::Triangle => "M0 -5l4.6 8.4h-9.2z",
-    }
+    if mark.is_hollow() { "hollow" } else { "full" }
 }
 
 fn translate([x, y]: [f64; 2]) -> String {

@@ -1,6 +1,7 @@
 //! Cases: what a suite's sweeps come to, one command each.
 
 use super::file::{SceneRow, Suite, Sweep};
+use crate::measure::compare::Against;
 use crate::mode::MODES;
 use crate::render::{BackendChoice, DEFAULT_BLOCK, MethodChoice};
 use crate::sample::Sampler;
@@ -47,8 +48,16 @@ impl Group {
     pub fn words(&self, case: &Case, suite: &Suite, volume: &str) -> Vec<String> {
         let scene = &suite.scenes[self.scene];
         let mut words = scene.words(volume);
-        self.add_words(&mut words, &self.size);
         let mut flag = |name: &str, value: &str| words.extend([name.to_owned(), value.to_owned()]);
+        flag("--size", &self.size);
+        if self.mode != MODES[0].name {
+            flag("--mode", &self.mode);
+        }
+        flag("--sampler", &self.sampler);
+        if let Some(classification) = &self.classification {
+            flag("--classification", classification);
+        }
+        flag("--ert", &self.ert);
         flag("--views", &scene.views.to_string());
         flag("--steps", &self.step);
         flag("--backends", &case.backend);
@@ -58,37 +67,10 @@ impl Group {
         if self.truth == 0 {
             flag("--reference-views", "0");
         } else {
+            flag("--against", Against::Truth.name());
             flag("--reference-size", &self.truth.to_string());
         }
         words
-    }
-
-    /// The words of `hollowcast truth` that measure a case's error again, if it is measured and the case's method is lossless:
-    /// the command draws by box.
-    pub fn truth_words(&self, case: &Case, suite: &Suite, volume: &str) -> Option<Vec<String>> {
-        let is_lossy = Skip::from_name(&case.method).is_some_and(|skip| !skip.method().lossless);
-        if self.truth == 0 || is_lossy {
-            return None;
-        }
-        let mut words = suite.scenes[self.scene].words(volume);
-        self.add_words(&mut words, &self.truth.to_string());
-        let more = ["--step", &self.step, "--against", &case.backend];
-        words.extend(more.map(str::to_owned));
-        Some(words)
-    }
-
-    /// Adds the flags of what the group shares, whose pictures are of this size.
-    fn add_words(&self, words: &mut Vec<String>, size: &str) {
-        let mut flag = |name: &str, value: &str| words.extend([name.to_owned(), value.to_owned()]);
-        flag("--size", size);
-        if self.mode != MODES[0].name {
-            flag("--mode", &self.mode);
-        }
-        flag("--sampler", &self.sampler);
-        if let Some(classification) = &self.classification {
-            flag("--classification", classification);
-        }
-        flag("--ert", &self.ert);
     }
 
     /// The work of this group in no unit, for estimates of what is left.

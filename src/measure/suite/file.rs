@@ -5,6 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 
 use crate::error::{Error, Result};
+use crate::measure::toml_text;
 use crate::render::{BackendChoice, MethodChoice};
 
 /// A suite as its file describes it.
@@ -177,14 +178,7 @@ impl Suite {
     /// # Errors
     /// [`Error::Setting`] naming the line or field that is wrong.
     pub fn from_toml(text: &str) -> Result<Self> {
-        let mut suite: Self = toml::from_str(text).map_err(|e| {
-            let before = e.span().and_then(|span| text.get(..span.start));
-            let line = before.unwrap_or_default().matches('\n').count() + 1;
-            Error::setting(
-                format!("line {line}"),
-                e.message().trim().replace('\n', " "),
-            )
-        })?;
+        let mut suite: Self = toml_text::parse(text)?;
         suite.check()?;
         suite.hash = format!("{:016x}", fnv1a(text.as_bytes()));
         Ok(suite)

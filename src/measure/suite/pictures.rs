@@ -24,7 +24,8 @@ pub struct Shown {
     pub settings: Settings,
 }
 
-/// The truth, then for each method what it draws, the difference from the truth and the samples, all on common scales.
+/// The truth, then for each method what it draws, the difference from the truth, amplified as it needs, and the samples, all
+/// on one scale.
 /// Of `about`, scene, backend, step and the truth's command are taken.
 ///
 /// # Errors
@@ -47,11 +48,6 @@ pub fn pictures(
         .iter()
         .map(|s| renderer.count(&s.settings))
         .collect::<Result<Vec<_>>>()?;
-    let largest = counted
-        .iter()
-        .map(|c| c.picture.difference(&truth.picture).max_abs)
-        .fold(0.0, f64::max);
-    let amplification = amplification(largest);
     let most = counted
         .iter()
         .flat_map(|c| &c.samples)
@@ -60,6 +56,7 @@ pub fn pictures(
         .unwrap_or(0);
     for (shown, counted) in shown.iter().zip(&counted) {
         let size = counted.picture.size;
+        let amplification = amplification(counted.picture.difference(&truth.picture).max_abs);
         let difference = difference(&counted.picture, &truth.picture, amplification as f32);
         for (what, scale, picture) in [
             (

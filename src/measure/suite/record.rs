@@ -193,8 +193,6 @@ pub struct CaseRecord {
 /// How far a picture is from the truth: see [`crate::measure::metrics`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ErrorRecord {
-    /// The command that measures it again, of lossless methods.
-    pub command: Option<String>,
     /// Width and height of the picture that was held against the truth.
     pub size: [u32; 2],
     /// Largest difference of any channel.

@@ -17,8 +17,6 @@ pub struct Contestant {
     pub case: Case,
     /// The command that measures it again.
     pub command: String,
-    /// The command that measures its error again, where there is one.
-    pub truth_command: Option<String>,
     /// Index of the renderer that draws it, whose volume and transfer function are set.
     pub renderer: usize,
     /// Its settings for each view.
@@ -63,10 +61,7 @@ pub fn run(
             .expect("box runs along");
         let renderer = &mut renderers[contestant.renderer];
         let error = match &truth {
-            Some(truth) => Some(ErrorRecord {
-                command: contestant.truth_command.clone(),
-                ..error(renderer, &contestant.views[0], truth)?
-            }),
+            Some(truth) => Some(error(renderer, &contestant.views[0], truth)?),
             None => None,
         };
         records.push(CaseRecord {
@@ -174,7 +169,7 @@ fn noise_of(outcome: &Outcome) -> Option<f64> {
     Some(of_views.iter().sum::<f64>() / of_views.len() as f64)
 }
 
-/// How far a picture with these settings is from the truth; no command is named.
+/// How far a picture with these settings is from the truth.
 fn error(renderer: &mut Renderer, settings: &Settings, truth: &Truth) -> Result<ErrorRecord> {
     let settings = Settings {
         size: truth.picture.size,
@@ -185,7 +180,6 @@ fn error(renderer: &mut Renderer, settings: &Settings, truth: &Truth) -> Result<
     let seen = perceived((&picture, truth));
     let finite = |number: f64| number.is_finite().then_some(number);
     Ok(ErrorRecord {
-        command: None,
         size: truth.picture.size,
         max_abs: measured.max_abs,
         mean_abs: measured.mean_abs,
