@@ -131,11 +131,16 @@ pub struct App {
     pub(super) told: (Sender<Done>, Receiver<Done>),
     /// What a session says of volumes that are still being read.
     pub(super) awaited: Vec<Kept>,
-    pub(super) asked: Option<(Asked, Level)>,
+    /// What was asked for last, in which quality, and whether as something that moves.
+    pub(super) asked: Option<(Asked, Level, bool)>,
     pub(super) ticket: u64,
     pub(super) next_id: u64,
     /// The blocks that are being classified, and of which document.
     pub(super) classifying: Option<(u64, Key)>,
+    /// How long this frame waited for its picture.
+    pub(super) waited: Option<Duration>,
+    /// When the last frame that waited began, and how long it did.
+    awaited_before: Option<(Duration, Duration)>,
     start: Instant,
 }
 
@@ -166,6 +171,8 @@ impl App {
             ticket: 0,
             next_id: 0,
             classifying: None,
+            waited: None,
+            awaited_before: None,
             start: Instant::now(),
         })
     }
@@ -199,7 +206,7 @@ impl App {
             .screen
             .frame
             .as_ref()
-            .is_some_and(|frame| frame.ticket == self.ticket && frame.level == Level::FULL);
+            .is_some_and(|frame| frame.ticket == self.ticket && !frame.is_moving);
         self.jobs.is_empty() && is_drawn && self.worker.stage() == Stage::Idle
     }
 
@@ -289,6 +296,12 @@ impl App {
 
     /// One frame of the window.
     pub fn show(&mut self, ui: &mut Ui) {
+        let now = self.now();
+        tracing::debug!("at {:.0} ms: window", now.as_secs_f64() * 1e3);
+        if let Some((began, waited)) = self.awaited_before.take() {
+            let around = now.saturating_sub(began).saturating_sub(waited);
+            self.quality.measured_around(around.as_secs_f64() * 1e3);
+        }
         self.receive();
         dialogs::take_picked(self);
         let dropped = ui.input(|i| i.raw.dropped_files.clone());
@@ -300,13 +313,10 @@ impl App {
         status::bottom(self, ui);
         panels::left(self, ui);
         transfer_panel::bottom(self, ui);
-        let size = egui::CentralPanel::no_frame()
-            .show(ui, |ui| canvas::show(self, ui))
-            .inner;
         dialogs::show(self, ui);
-        if let Some(size) = size {
-            self.ask(size);
-        }
+        // Last: it asks for the picture that follows from all that was changed before.
+        egui::CentralPanel::no_frame().show(ui, |ui| canvas::show(self, ui));
+        self.awaited_before = self.waited.take().map(|waited| (now, waited));
         let is_dragging = ui.input(|i| i.pointer.any_down());
         if let Some(document) = self.document_mut()
             && !is_dragging

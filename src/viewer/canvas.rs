@@ -27,20 +27,23 @@ pub(super) struct Pane {
     pub(super) which: usize,
 }
 
-/// Draws the picture and takes what the pointer does to it; tells the size in pixels that pictures should have.
-pub(super) fn show(app: &mut App, ui: &mut Ui) -> Option<[u32; 2]> {
+/// Takes what the pointer does to the picture, asks for the one that follows from it, and draws what there is.
+pub(super) fn show(app: &mut App, ui: &mut Ui) {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     let painter = ui.painter_at(rect);
     if app.document().is_none() {
         welcome(&painter, rect, !app.jobs.is_empty(), ui);
-        return None;
+        return;
     }
     let panes = panes(app, rect);
     steer(app, ui, &response, &panes);
     if app.shown.compare == Compare::Split {
         divide(app, ui, rect);
     }
+    let pixels = panes[0].rect.size() * ui.ctx().pixels_per_point();
+    app.ask([pixels.x, pixels.y].map(|n| (n.round() as u32).clamp(16, 8192)));
+    app.await_moving();
     for pane in &panes {
         picture(app, &painter, pane);
         if let Some(document) = app.document() {
@@ -52,8 +55,6 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) -> Option<[u32; 2]> {
         let camera = document.view.camera(document.volume.voxel_size());
         captions::cross(&painter, rect, &camera);
     }
-    let pixels = panes[0].rect.size() * ui.ctx().pixels_per_point();
-    Some([pixels.x, pixels.y].map(|n| (n.round() as u32).clamp(16, 8192)))
 }
 
 fn welcome(painter: &Painter, rect: Rect, is_loading: bool, ui: &Ui) {

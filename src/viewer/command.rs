@@ -1,6 +1,7 @@
 //! The command line that draws the same picture, bit for bit.
 
 use crate::lattice::Clipping;
+use crate::output::srgb_from_linear;
 use crate::mode::{Light, Lighting, Mode, Window};
 use crate::render::{Choice, Settings};
 use crate::sample::Sampler;
@@ -169,14 +170,7 @@ fn colored(flag: &mut impl FnMut(&str, String), name: &str, color: [f64; 3], usu
 
 /// The nearest 8-bit sRGB colour to a linear one.
 pub(super) fn srgb(linear: [f64; 3]) -> [u8; 3] {
-    linear.map(|c| {
-        let below = |byte: u8| crate::output::linear_from_srgb(f64::from(byte) / 255.0);
-        let nearest = |a: &u8, b: &u8| {
-            let off = |byte: u8| (below(byte) - c).abs();
-            off(*a).total_cmp(&off(*b))
-        };
-        (0..=255).min_by(nearest).unwrap_or(0)
-    })
+    linear.map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0).round() as u8)
 }
 
 /// As `--camera` reads it: each number as the shortest text that reads back the same.

@@ -5,25 +5,12 @@ use eframe::egui::{ColorImage, Context, TextureHandle, TextureOptions};
 use super::app::{App, TIMES};
 use super::document::Document;
 use super::jobs::Done;
-use super::quality::Level;
 use super::worker::{Frame, Reply};
 
 impl App {
     pub(super) fn receive(&mut self) {
         while let Ok(reply) = self.replies.try_recv() {
-            match reply {
-                Reply::Frame(frame) => self.take_frame(*frame),
-                Reply::Details(mut details) if details.ticket == self.ticket => {
-                    let image = std::mem::take(&mut details.heat);
-                    set_texture(&self.context, &mut self.screen.heat, "heat", image);
-                    self.screen.details = Some(*details);
-                }
-                Reply::Weighed(ticket, verdict) if ticket == self.ticket => {
-                    self.screen.verdict = Some(verdict);
-                }
-                Reply::Details(_) | Reply::Weighed(..) => {}
-                Reply::Failed(error) => self.complain(&error),
-            }
+            self.take_reply(reply);
         }
         while let Ok(done) = self.told.1.try_recv() {
             match done {
@@ -57,6 +44,22 @@ impl App {
         }
     }
 
+    pub(super) fn take_reply(&mut self, reply: Reply) {
+        match reply {
+            Reply::Frame(frame) => self.take_frame(*frame),
+            Reply::Details(mut details) if details.ticket == self.ticket => {
+                let image = std::mem::take(&mut details.heat);
+                set_texture(&self.context, &mut self.screen.heat, "heat", image);
+                self.screen.details = Some(*details);
+            }
+            Reply::Weighed(ticket, verdict) if ticket == self.ticket => {
+                self.screen.verdict = Some(verdict);
+            }
+            Reply::Details(_) | Reply::Weighed(..) => {}
+            Reply::Failed(error) => self.complain(&error),
+        }
+    }
+
     fn add(&mut self, mut document: Document) {
         for warning in &document.volume.warnings {
             self.say(format!("{}: {warning}", document.short_name()));
@@ -71,24 +74,16 @@ impl App {
     }
 
     fn take_frame(&mut self, mut frame: Frame) {
-        if frame.ticket != self.ticket && frame.level == Level::FULL {
+        if frame.ticket != self.ticket && !frame.is_moving {
             return;
         }
-        let ms: f64 = frame
-            .drawn
-            .iter()
-            .map(|d| d.times.frame_ms + d.read_back_ms)
-            .sum();
-        let took = if frame.level == Level::FULL {
-            ms
-        } else {
-            frame.whole_ms
-        };
-        self.quality.measured(frame.level, took);
+        self.quality.measured(frame.level, frame.drawing_ms());
         tracing::debug!(
-            "frame of {:?} pixels in {:.1} ms: {}",
+            "at {:.0} ms: picture of {:?} pixels in {:.1} ms, {}: {}",
+            self.now().as_secs_f64() * 1e3,
             frame.drawn[0].settings.size,
             frame.whole_ms,
+            if frame.is_moving { "moving" } else { "at rest" },
             frame.level.words()
         );
         let times = &mut self.screen.times;
@@ -97,12 +92,17 @@ impl App {
             times.pop_front();
         }
         self.screen.textures.truncate(frame.drawn.len());
+        // Where a pixel of the picture is one of the screen, there is nothing to interpolate.
+        let options = if frame.level.scale < 1.0 {
+            TextureOptions::LINEAR
+        } else {
+            TextureOptions::NEAREST
+        };
         for (i, drawn) in frame.drawn.iter_mut().enumerate() {
             let image = std::mem::take(&mut drawn.image);
             if let Some(texture) = self.screen.textures.get_mut(i) {
-                texture.set(image, TextureOptions::LINEAR);
+                texture.set(image, options);
             } else {
-                let options = TextureOptions::LINEAR;
                 let texture = self.context.load_texture("picture", image, options);
                 self.screen.textures.push(texture);
             }

@@ -41,6 +41,8 @@ pub fn run(options: Options) -> Result<()> {
             .with_inner_size([1280.0, 720.0])
             .with_min_inner_size([800.0, 500.0])
             .with_drag_and_drop(true),
+        // Pictures are in eight bits before they are painted: noise would only make them others, and take time.
+        dithering: false,
         ..eframe::NativeOptions::default()
     };
     let begin = move |creation: &eframe::CreationContext<'_>| {

@@ -5,6 +5,7 @@
 //! long as nobody asks for something else.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -49,6 +50,8 @@ pub struct Request {
     pub backdrop: [f32; 3],
     /// What quality the settings are of.
     pub level: Level,
+    /// Whether another picture will follow at once: this one is not stopped for it, and nothing more is found out of it.
+    pub is_moving: bool,
     /// Whether the difference of two pictures is to be shown.
     pub difference: bool,
 }
@@ -74,6 +77,8 @@ pub struct Frame {
     /// The request's.
     pub level: Level,
     /// The request's.
+    pub is_moving: bool,
+    /// The request's.
     pub backdrop: [f32; 3],
     /// As many as were asked for.
     pub drawn: Vec<Drawn>,
@@ -81,6 +86,19 @@ pub struct Frame {
     pub compared: Option<Compared>,
     /// From taking the request to sending the reply, in ms.
     pub whole_ms: f64,
+}
+
+impl Frame {
+    /// What drawing took, in ms: of a moving picture all that it keeps the window waiting; at rest, where structures may have
+    /// been built first, the frames themselves.
+    pub fn drawing_ms(&self) -> f64 {
+        if self.is_moving {
+            self.whole_ms
+        } else {
+            let drawn = self.drawn.iter();
+            drawn.map(|d| d.times.frame_ms + d.read_back_ms).sum()
+        }
+    }
 }
 
 /// A picture, and how it was made.
@@ -162,6 +180,8 @@ struct Mailbox {
 struct Shared {
     mailbox: Mutex<Mailbox>,
     wake: Condvar,
+    /// Whether the window waits for a reply and need not be woken.
+    is_awaited: AtomicBool,
 }
 
 impl Shared {
@@ -202,7 +222,9 @@ impl Worker {
                 let send = |reply| {
                     // A window that is gone needs no picture.
                     let _ = replies.send(reply);
-                    context.request_repaint();
+                    if !own.is_awaited.load(Ordering::Relaxed) {
+                        context.request_repaint();
+                    }
                 };
                 run(&own, &send);
             })
@@ -231,6 +253,11 @@ impl Worker {
             (None, Some(_)) => Stage::Building,
             (None, None) => Stage::Idle,
         }
+    }
+
+    /// Says that the window waits for a reply, and so is not woken by one, or no longer does.
+    pub fn await_reply(&self, is_awaited: bool) {
+        self.shared.is_awaited.store(is_awaited, Ordering::Relaxed);
     }
 
     /// Stops what is drawn at rest, counted or weighed.
@@ -321,7 +348,7 @@ fn serve(
     shared: &Shared,
     send: &impl Fn(Reply),
 ) -> Result<()> {
-    let at_rest = request.level == Level::FULL;
+    let at_rest = !request.is_moving;
     let start = Instant::now();
     let mut drawn: Vec<Drawn> = Vec::new();
     for (way, settings) in &request.pictures {
@@ -354,6 +381,7 @@ fn serve(
     send(Reply::Frame(Box::new(Frame {
         ticket: request.ticket,
         level: request.level,
+        is_moving: request.is_moving,
         backdrop: request.backdrop,
         drawn,
         compared,
