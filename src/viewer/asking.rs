@@ -4,13 +4,14 @@ use std::time::{Duration, Instant};
 
 use crate::error::Result;
 use crate::render::Settings;
+use crate::sample::Sampler;
 
 use super::app::{App, Asked, BACKDROP, Compare};
 use super::jobs::Job;
 use super::look::{Way, linear};
 use super::overlay::Key;
 use super::quality::Level;
-use super::worker::Request;
+use super::reply::Request;
 
 /// The longest that the window waits for a moving picture before it is painted without.
 const PATIENCE: Duration = Duration::from_millis(100);
@@ -123,12 +124,14 @@ impl App {
         let (Some(document), Some(settings), true) = (self.document(), self.drawn(), wants) else {
             return;
         };
+        let drawn = self.screen.frame.as_ref().and_then(|f| f.drawn.first());
+        let sampler = drawn.map_or(Sampler::Exact, |d| d.sampler);
         let settings = Settings {
             step_voxels: document.way.step_voxels,
             mode: document.look.mode,
             ..settings
         };
-        let key = Key::of(&document.look.transfer, &settings);
+        let key = Key::of(&document.look.transfer, &settings, sampler);
         let is_known = document
             .overlay
             .as_ref()

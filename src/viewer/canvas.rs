@@ -2,11 +2,11 @@
 
 use eframe::egui::{
     Align2, Color32, CursorIcon, FontId, Id, Key, Painter, PointerButton, Pos2, Rect, Response,
-    Sense, Stroke, Ui, pos2, vec2,
+    Sense, Stroke, TextureHandle, Ui, pos2, vec2,
 };
 use glam::DVec3;
 
-use super::app::{App, Compare};
+use super::app::{App, Compare, OnCanvas};
 use super::captions;
 use super::document::Document;
 use super::overlay::{MOST, Projector, Rectangle, box_edges};
@@ -203,18 +203,20 @@ fn divide(app: &mut App, ui: &Ui, rect: Rect) {
 
 fn picture(app: &App, painter: &Painter, pane: &Pane) {
     let screen = &app.screen;
+    let sent = |texture: &Option<TextureHandle>| texture.as_ref().map(TextureHandle::id);
+    let picture = |i: usize| screen.pictures.get(i).and_then(OnCanvas::id);
     let texture = if app.shown.compare == Compare::Difference {
-        screen.difference.as_ref()
+        sent(&screen.difference)
     } else if app.shown.heat && pane.which == 0 {
-        screen.heat.as_ref().or(screen.textures.first())
+        sent(&screen.heat).or(picture(0))
     } else {
-        screen.textures.get(pane.which).or(screen.textures.first())
+        picture(pane.which).or(picture(0))
     };
     if let Some(texture) = texture {
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter
             .with_clip_rect(pane.seen)
-            .image(texture.id(), pane.rect, uv, Color32::WHITE);
+            .image(texture, pane.rect, uv, Color32::WHITE);
     }
 }
 

@@ -1,13 +1,13 @@
 //! The command line that draws the same picture, bit for bit.
 
 use crate::lattice::Clipping;
-use crate::output::srgb_from_linear;
 use crate::mode::{Light, Lighting, Mode, Window};
-use crate::render::{Choice, Settings};
-use crate::sample::Sampler;
+use crate::output::srgb_from_linear;
+use crate::render::{Choice, Settings, SliceCount};
+use crate::sample::{Classification, Sampler};
 use crate::skip::Skip;
 use crate::transfer::{PRESETS, TransferFunction};
-use crate::volume::Statistics;
+use crate::volume::{Source, Statistics};
 
 use super::look::Look;
 use super::view::View;
@@ -16,8 +16,8 @@ use crate::camera::Projection;
 /// A picture as it was or will be drawn: all that the command is told.
 #[derive(Debug)]
 pub struct Drawn<'a> {
-    /// The volume, as the command names it.
-    pub volume: &'a str,
+    /// The volume, and how it is read.
+    pub source: &'a Source,
     /// Of the volume: what presets and modes follow from.
     pub statistics: &'a Statistics,
     /// What is shown.
@@ -36,10 +36,20 @@ impl Drawn<'_> {
     /// The arguments after `hollowcast`, without an output file.
     pub fn arguments(&self) -> Vec<String> {
         let settings = self.settings;
-        let mut words = vec!["render".to_owned(), self.volume.to_owned()];
+        let mut words = vec!["render".to_owned(), self.source.volume.clone()];
+        if self.source.pad_cube {
+            words.push("--pad-cube".to_owned());
+        }
         let mut flag = |name: &str, value: String| words.extend([name.to_owned(), value]);
+        reading(&mut flag, self.source);
         flag("--backend", self.backend.to_owned());
-        flag("--method", settings.skip.method().name.to_owned());
+        match settings.slices {
+            Some(count) => {
+                flag("--renderer", "slices".to_owned());
+                flag("--slices", slices_flag(count));
+            }
+            None => flag("--method", settings.skip.method().name.to_owned()),
+        }
         if settings.skip.reads_blocks() {
             flag("--block", settings.block.to_string());
         }
@@ -52,6 +62,10 @@ impl Drawn<'_> {
             flag(name, cut);
         }
         flag("--sampler", self.sampler.name().to_owned());
+        if settings.classification != Classification::Post {
+            let name = settings.classification.name();
+            flag("--classification", name.to_owned());
+        }
         flag("--step", format!("{:?}", settings.step_voxels));
         let ert = if settings.ert >= 1.0 {
             "off".to_owned()
@@ -67,6 +81,12 @@ impl Drawn<'_> {
             flag("--table-size", settings.table_entries.to_string());
         }
         self.mode(&mut flag);
+        if settings.mode.takes_gradients() {
+            flag("--gradients", settings.gradients.name().to_owned());
+        }
+        if settings.depth_cue > 0.0 {
+            flag("--depth-cue", format!("{:?}", settings.depth_cue));
+        }
         if settings.clipping != Clipping::NONE {
             if self.look.clip_box != [[None; 2]; 3] {
                 let end = |end: Option<f64>| end.map_or(String::new(), |n| format!("{n:?}"));
@@ -141,6 +161,31 @@ impl Drawn<'_> {
                 unreachable!("a row makes its own mode")
             }
         }
+    }
+}
+
+/// The count of slices, as `--slices` reads it.
+pub(super) fn slices_flag(count: SliceCount) -> String {
+    match count {
+        SliceCount::PerVoxel => "voxel".to_owned(),
+        SliceCount::Exactly(count) => count.to_string(),
+    }
+}
+
+/// How the volume is read, where not just so.
+fn reading(flag: &mut impl FnMut(&str, String), source: &Source) {
+    if let Some(crop) = &source.crop {
+        flag("--crop", crop.to_string());
+    }
+    if let Some(n) = source.downsample {
+        flag("--downsample", n.to_string());
+    }
+    if let Some(raw) = &source.raw {
+        flag("--dims", raw.dims.map(|n| n.to_string()).join("x"));
+        flag("--type", raw.scalar.name().to_owned());
+        flag("--endian", raw.endian.name().to_owned());
+        flag("--skip-bytes", raw.skip_bytes.to_string());
+        flag("--spacing", numbers(&raw.spacing.to_array()));
     }
 }
 

@@ -1,6 +1,16 @@
 //! Rows of a panel: a name, a control, and what the control does as its tooltip.
 
-use eframe::egui::{ComboBox, DragValue, Response, Ui};
+use eframe::egui::{CollapsingHeader, ComboBox, DragValue, Response, RichText, Ui};
+
+/// A part of a panel that can be folded away.
+pub(super) fn section(ui: &mut Ui, title: &str, tip: &str, open: bool, add: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(RichText::new(title).strong())
+        .id_salt(title)
+        .default_open(open)
+        .show(ui, add)
+        .header_response
+        .on_hover_text(tip);
+}
 
 /// A name and a control beside it.
 pub(super) fn row(ui: &mut Ui, name: &str, tip: &str, add: impl FnOnce(&mut Ui) -> Response) {
