@@ -206,7 +206,7 @@ impl App {
     /// Whether keys are for what is typed or read.
     pub(super) fn is_typing(&self) -> bool {
         let reads = matches!(self.dialog, Some(Dialog::Path(_) | Dialog::Help));
-        reads || self.context.egui_wants_keyboard_input()
+        reads || self.context.text_edit_focused()
     }
 
     /// Does what a key or a menu asks for.

@@ -42,7 +42,8 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) {
         divide(app, ui, rect);
     }
     let pixels = panes[0].rect.size() * ui.ctx().pixels_per_point();
-    app.ask([pixels.x, pixels.y].map(|n| (n.round() as u32).clamp(16, 8192)));
+    let most = ui.input(|i| i.max_texture_side).clamp(16, 8192) as u32;
+    app.ask([pixels.x, pixels.y].map(|n| (n.round() as u32).clamp(16, most)));
     app.await_moving();
     for pane in &panes {
         picture(app, &painter, pane);

@@ -66,7 +66,9 @@ impl Canvas {
 }
 
 fn clear(gpu: &Gpu, view: &wgpu::TextureView, [r, g, b]: [f32; 3]) {
-    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let mut encoder = gpu
+        .device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let [r, g, b] = [r, g, b].map(f64::from);
     encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
         label: Some("backdrop"),

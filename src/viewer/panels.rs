@@ -4,29 +4,27 @@ use eframe::egui::{Checkbox, DragValue, Grid, Panel, ScrollArea, Ui};
 
 use super::app::{App, Compare};
 use super::document::Document;
-use super::rows::section;
+use super::rows::{bare, section, tip};
 use super::{mode_panel, status, way_panel};
 
 /// The panel.
 pub(super) fn left(app: &mut App, ui: &mut Ui) {
-    Panel::left("settings")
-        .default_size(292.0)
-        .min_size(250.0)
-        .show(ui, |ui| {
-            ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                volumes(app, ui);
-                if app.document().is_some() {
-                    status::numbers(app, ui);
-                    ways(app, ui);
-                    if let Some(document) = app.document_mut() {
-                        mode_panel::show(document, ui);
-                        clipping(document, ui);
-                        background(document, ui);
-                    }
-                    showing(app, ui);
+    let panel = Panel::left("settings").default_size(292.0).min_size(250.0);
+    bare(panel, ui).show(ui, |ui| {
+        ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+            volumes(app, ui);
+            if app.document().is_some() {
+                status::numbers(app, ui);
+                ways(app, ui);
+                if let Some(document) = app.document_mut() {
+                    mode_panel::show(document, ui);
+                    clipping(document, ui);
+                    background(document, ui);
                 }
-            });
+                showing(app, ui);
+            }
         });
+    });
 }
 
 fn volumes(app: &mut App, ui: &mut Ui) {
@@ -152,10 +150,7 @@ fn clipping(document: &mut Document, ui: &mut Ui) {
             ui.horizontal(|ui| {
                 let can_add = document.look.clip_planes.len() < 6;
                 let add = ui.add_enabled(can_add, eframe::egui::Button::new("add plane"));
-                if add
-                    .on_hover_text("cut through the middle, across x")
-                    .clicked()
-                {
+                if tip(add, "cut through the middle, across x").clicked() {
                     document
                         .look
                         .clip_planes

@@ -15,6 +15,7 @@ use super::app::App;
 use super::dialogs::Dialog;
 use super::document::Document;
 use super::jobs::Job;
+use super::rows;
 use super::session;
 
 /// What a path is asked for.
@@ -161,7 +162,7 @@ pub(super) fn show(app: &mut App, ui: &Ui, mut dialog: PathDialog) {
                 done |= ui.button("OK").on_hover_text(purpose.title()).clicked();
                 let browse = eframe::egui::Button::new("Browse…");
                 let browse = ui.add_enabled(!dialog.browsing, browse);
-                if browse.on_hover_text("the system's own dialog").clicked() {
+                if rows::tip(browse, "the system's own dialog").clicked() {
                     dialog.browsing = true;
                     browse_for(app, purpose, &dialog.text);
                 }

@@ -6,8 +6,10 @@ use std::time::Duration;
 /// What a whole frame may take while moving, in ms: drawing the picture, laying out the window, painting and presenting it.
 const FRAME_MS: f64 = 70.0;
 
-/// What drawing may take of it even where the window alone takes nearly all.
+/// What drawing may take of it even where the window alone takes nearly all: so many ms, or such a share of the window's,
+/// by which little is won.
 const LEAST_DRAWING_MS: f64 = 12.0;
+const LEAST_SHARE: f64 = 0.25;
 
 /// Of how many frames the one counts in which the window took least: what it takes besides waiting for events.
 const REMEMBERED: usize = 8;
@@ -127,7 +129,10 @@ impl Quality {
     /// What drawing the picture may take, in ms.
     fn aim_ms(&self) -> f64 {
         let around = self.around_ms.iter().copied().reduce(f64::min);
-        (FRAME_MS - around.unwrap_or(FRAME_MS * 0.4)).max(LEAST_DRAWING_MS)
+        let around = around.unwrap_or(FRAME_MS * 0.4);
+        (FRAME_MS - around)
+            .max(LEAST_DRAWING_MS)
+            .max(around * LEAST_SHARE)
     }
 
     /// Takes notice of what drawing a picture took, in ms.
@@ -188,7 +193,7 @@ mod tests {
         let (level, _) = settle(1e6, 0.0);
         assert_eq!((level.scale, level.step), (LEAST_SCALE, MOST_STEP));
         let (_, took) = settle(500.0, 300.0);
-        assert!((took - 300.0 - LEAST_DRAWING_MS).abs() < 4.0, "{took}");
+        assert!((took - 300.0 * (1.0 + LEAST_SHARE)).abs() < 8.0, "{took}");
     }
 
     #[test]

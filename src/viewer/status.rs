@@ -11,11 +11,11 @@ use super::app::{App, Compare};
 use super::dialogs::Dialog;
 use super::path_dialog::PathFor;
 use super::reply::Stage;
-use super::rows::section;
+use super::rows::{bare, section};
 
 /// Menus.
 pub(super) fn top(app: &mut App, ui: &mut Ui) {
-    Panel::top("menu").show(ui, |ui| {
+    bare(Panel::top("menu"), ui).show(ui, |ui| {
         MenuBar::new().ui(ui, |ui| {
             ui.menu_button("File", |ui| file_menu(app, ui))
                 .response
@@ -162,7 +162,7 @@ fn view_menu(app: &mut App, ui: &mut Ui) {
 
 /// Progress, quality and the verdict.
 pub(super) fn bottom(app: &mut App, ui: &mut Ui) {
-    Panel::bottom("status").exact_size(26.0).show(ui, |ui| {
+    bare(Panel::bottom("status").exact_size(26.0), ui).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
             let mut cancelled = None;
             for (i, job) in app.jobs.iter().enumerate() {

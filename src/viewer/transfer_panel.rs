@@ -15,6 +15,7 @@ use super::document::Document;
 use super::editor::{Axes, add_point, move_point, remove_point, with_points};
 use super::look::linear;
 use super::path_dialog::PathFor;
+use super::rows;
 
 /// How near a point the pointer takes hold of it, in points of the screen.
 const REACH: f32 = 11.0;
@@ -24,7 +25,8 @@ pub fn bottom(app: &mut App, ui: &mut Ui) {
     if app.document().is_none() {
         return;
     }
-    Panel::bottom("transfer").exact_size(176.0).show(ui, |ui| {
+    let panel = rows::bare(Panel::bottom("transfer").exact_size(176.0), ui);
+    panel.show(ui, |ui| {
         // Tools that find no room must not make the editor wider than the window.
         let width = ui.available_width();
         ui.horizontal_wrapped(|ui| tools(app, ui));
@@ -40,7 +42,7 @@ fn tools(app: &mut App, ui: &mut Ui) {
     });
     let mut button = |enabled: bool, name: &str, tip: &str| {
         let button = ui.add_enabled(enabled, eframe::egui::Button::new(name));
-        button.on_hover_text(tip).clicked()
+        rows::tip(button, tip).clicked()
     };
     let undo = button(can_undo, "undo", "undo the last edit (ctrl+Z)");
     let redo = button(can_redo, "redo", "redo it (ctrl+shift+Z)");
@@ -227,7 +229,11 @@ fn edit(document: &mut Document, ui: &Ui, response: &Response, place: Place) {
     } else {
         document
             .selected
-            .filter(|_| response.dragged_by(PointerButton::Primary))
+            // The last way that a quick pointer makes may come with its letting go.
+            .filter(|_| {
+                let primary = PointerButton::Primary;
+                response.dragged_by(primary) || response.drag_stopped_by(primary)
+            })
             .map(|i| move_point(transfer, i, value, opacity))
     };
     if let Some(points) = edited {

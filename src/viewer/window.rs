@@ -40,6 +40,10 @@ struct Window {
 type Survivor = Rc<RefCell<Option<Carried>>>;
 
 impl eframe::App for Window {
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         if self.gpu.is_lost() {
             ui.send_viewport_cmd(egui::ViewportCommand::Close);

@@ -47,7 +47,7 @@ fn silent(window: &mut TestWindow) -> Vec<String> {
     let mut silent = Vec::new();
     for (name, rect) in controls(window) {
         window.hover_at(rect.center());
-        window.run_steps(3);
+        window.run_steps(2);
         // The corner of a window closes it, everywhere.
         if !shows_tooltip(&window.ctx) && !name.contains("Close window") {
             silent.push(format!("{name} at {rect:?}"));
@@ -60,7 +60,7 @@ fn silent(window: &mut TestWindow) -> Vec<String> {
 
 #[test]
 fn every_control_has_a_tooltip() {
-    let mut window = window([1280.0, 2400.0], 1.0, &["phantom:pot:24"]);
+    let mut window = window([700.0, 1700.0], 1.0, &["phantom:pot:24"]);
     window.ctx.all_styles_mut(|style| {
         style.interaction.tooltip_delay = 0.0;
         style.interaction.show_tooltips_only_when_still = false;
