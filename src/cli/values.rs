@@ -1,7 +1,6 @@
 //! Parsers of single values. Each error says what was expected.
 
 use std::fmt;
-use std::ops::Range;
 use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -174,41 +173,6 @@ pub(super) fn vector(text: &str) -> Result<[f64; 3], String> {
     .ok_or_else(|| "expected three numbers, as 1,1,2.5".to_owned())
 }
 
-/// Half-open voxel ranges of the three axes; an open end is the volume's.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Crop([(usize, Option<usize>); 3]);
-
-impl FromStr for Crop {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let range = |s: &str| {
-            let (from, to) = s.split_once(':')?;
-            let from = if from.is_empty() {
-                0
-            } else {
-                from.parse().ok()?
-            };
-            let to = if to.is_empty() {
-                None
-            } else {
-                Some(to.parse().ok()?)
-            };
-            to.is_none_or(|to| to > from).then_some((from, to))
-        };
-        three(text, range).map(Self).ok_or_else(|| {
-            "expected FROM:TO per axis, TO excluded, as 0:128,20:200,: for all of z".to_owned()
-        })
-    }
-}
-
-impl Crop {
-    /// The ranges in a volume of these dims.
-    pub(super) fn ranges(&self, dims: [usize; 3]) -> [Range<usize>; 3] {
-        std::array::from_fn(|a| self.0[a].0..self.0[a].1.unwrap_or(dims[a]))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -237,14 +201,11 @@ mod tests {
     }
 
     #[test]
-    fn sizes_dims_and_ranges() {
+    fn sizes_and_dims() {
         assert_eq!(size("640x480"), Ok([640, 480]));
         assert_eq!(size("96"), Ok([96, 96]));
         assert!(size("0x5").is_err() && size("5x").is_err() && size("99999").is_err());
         assert_eq!(dims("4x5x6"), Ok([4, 5, 6]));
         assert!(dims("4x5").is_err() && dims("4x5x0").is_err());
-        let crop: Crop = "1:3,:,2:".parse().unwrap();
-        assert_eq!(crop.ranges([9, 8, 7]), [1..3, 0..8, 2..7]);
-        assert!("3:3,:,:".parse::<Crop>().is_err());
     }
 }

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use clap::Args;
 use glam::DVec3;
-use hollowcast::volume::{self, Endian, RawLayout, Scalar, Volume};
+use hollowcast::volume::{Crop, Endian, RawLayout, Scalar, Source, Volume};
 use hollowcast::{Error, Result};
 
 use super::progress::Progress;
-use super::values::{self, Crop};
+use super::values;
 
 /// A volume and what is done to it before anything else.
 #[derive(Debug, Args)]
@@ -19,6 +19,14 @@ pub(super) struct VolumeArgs {
     #[arg(value_name = "VOLUME")]
     volume: String,
 
+    #[command(flatten)]
+    reading: ReadingArgs,
+}
+
+/// What is done to a volume before anything else.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Volume")]
+pub(super) struct ReadingArgs {
     /// Keep only these voxels, TO excluded: FROM:TO per axis, an open end is the volume's (0:128,20:200,:)
     #[arg(long, value_name = "X,Y,Z")]
     crop: Option<Crop>,
@@ -77,6 +85,19 @@ impl RawArgs {
     }
 }
 
+impl ReadingArgs {
+    /// A volume of this name, read so.
+    pub(super) fn source(&self, volume: &str) -> Source {
+        Source {
+            volume: volume.to_owned(),
+            crop: self.crop.clone(),
+            downsample: self.downsample,
+            pad_cube: self.pad_cube,
+            raw: self.raw.layout(),
+        }
+    }
+}
+
 impl VolumeArgs {
     /// Checks, before any work is done, that `output` can be written and is not the volume itself.
     pub(super) fn check_output(&self, output: &Path) -> Result<()> {
@@ -108,16 +129,7 @@ impl VolumeArgs {
     /// Reads the volume and cuts it to what was asked for. What was lost in loading is told on stderr.
     pub(super) fn load(&self) -> Result<Arc<Volume>> {
         let progress = Progress::spinner("reading the volume");
-        let mut volume = volume::load(&self.volume, self.raw.layout().as_ref()).map_err(suggest)?;
-        if let Some(crop) = &self.crop {
-            volume = volume.crop(&crop.ranges(volume.dims))?;
-        }
-        if let Some(n) = self.downsample {
-            volume = volume.downsample(n as usize)?;
-        }
-        if self.pad_cube {
-            volume = volume.pad_cube()?;
-        }
+        let volume = self.reading.source(&self.volume).load().map_err(suggest)?;
         drop(progress);
         for warning in &volume.warnings {
             eprintln!("warning: {warning}");

@@ -42,14 +42,7 @@ impl Gpu {
             wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
         adapters.retain(|adapter| kind == AdapterKind::Any || !is_software(&adapter.get_info()));
-        adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
-            wgpu::DeviceType::DiscreteGpu => 0,
-            wgpu::DeviceType::IntegratedGpu => 1,
-            wgpu::DeviceType::VirtualGpu => 2,
-            wgpu::DeviceType::Other => 3,
-            wgpu::DeviceType::Cpu => 4,
-        });
-        let adapter = adapters.first().ok_or_else(|| {
+        let adapter = best(&adapters).ok_or_else(|| {
             Error::Gpu(match kind {
                 AdapterKind::Hardware => "no hardware adapter found".to_owned(),
                 AdapterKind::Any => {
@@ -57,14 +50,9 @@ impl Gpu {
                 }
             })
         })?;
-        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
-            label: Some("hollowcast"),
-            required_features: WANTED & adapter.features(),
-            // What the adapter has: volumes and pictures are as large as it takes.
-            required_limits: adapter.limits(),
-            ..Default::default()
-        }))
-        .map_err(|error| Error::Gpu(error.to_string()))?;
+        let request = adapter.request_device(&descriptor(adapter));
+        let (device, queue) =
+            pollster::block_on(request).map_err(|error| Error::Gpu(error.to_string()))?;
         Ok(Self::from_device(device, queue, adapter.get_info()))
     }
 
@@ -132,6 +120,28 @@ impl Gpu {
             )),
             None => Ok(result),
         }
+    }
+}
+
+/// The best of some adapters: hardware before software, discrete before integrated.
+pub fn best(adapters: &[wgpu::Adapter]) -> Option<&wgpu::Adapter> {
+    let rank = |adapter: &&wgpu::Adapter| match adapter.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => 0,
+        wgpu::DeviceType::IntegratedGpu => 1,
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Other => 3,
+        wgpu::DeviceType::Cpu => 4,
+    };
+    adapters.iter().min_by_key(rank)
+}
+
+/// The device to ask an adapter for: with what is used where it has it, and as large volumes and pictures as it takes.
+pub fn descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    wgpu::DeviceDescriptor {
+        label: Some("hollowcast"),
+        required_features: WANTED & adapter.features(),
+        required_limits: adapter.limits(),
+        ..Default::default()
     }
 }
 

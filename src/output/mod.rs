@@ -16,7 +16,7 @@ mod png;
 use std::path::Path;
 
 pub use atomic::write_atomically;
-pub use png::{Curve, Depth, linear_from_srgb};
+pub use png::{Curve, Depth, linear_from_srgb, srgb_from_linear};
 
 use crate::error::{Error, Result};
 use crate::scene::Picture;

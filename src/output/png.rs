@@ -35,7 +35,7 @@ impl Curve {
 }
 
 /// The sRGB curve (IEC 61966-2-1) of a linear value in 0 to 1.
-fn srgb_from_linear(linear: f64) -> f64 {
+pub fn srgb_from_linear(linear: f64) -> f64 {
     if linear <= 0.003_130_8 {
         12.92 * linear
     } else {

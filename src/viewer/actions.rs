@@ -7,9 +7,9 @@ use crate::skip::METHODS;
 
 use super::app::{App, Compare};
 use super::command::Drawn;
-use super::dialogs::{Dialog, PathFor};
-use super::image;
+use super::dialogs::Dialog;
 use super::jobs::Job;
+use super::path_dialog::PathFor;
 use super::view::View;
 
 /// Everything that has a key.
@@ -206,7 +206,7 @@ impl App {
     /// Whether keys are for what is typed or read.
     pub(super) fn is_typing(&self) -> bool {
         let reads = matches!(self.dialog, Some(Dialog::Path(_) | Dialog::Help));
-        reads || self.context.egui_wants_keyboard_input()
+        reads || self.context.text_edit_focused()
     }
 
     /// Does what a key or a menu asks for.
@@ -301,12 +301,12 @@ impl App {
         }
         let way = &document.way;
         let settings = way.settings(&look, &document.view, &document.volume, size);
-        let settings = match way.method {
+        let settings = match way.method() {
             MethodChoice::Auto => Choice::of(&drawn.settings).in_settings(&settings.ok()?),
             MethodChoice::Only(_) => settings.ok()?,
         };
         let drawn = Drawn {
-            volume: &document.name,
+            source: &document.source,
             statistics: &document.statistics,
             look: &look,
             view: &document.view,
@@ -320,6 +320,7 @@ impl App {
     pub(super) fn copy_command(&mut self, output: &str, size: [u32; 2], transparent: bool) {
         match self.command_line(output, size, transparent) {
             Some(line) => {
+                tracing::info!("copied: {line}");
                 self.context.copy_text(line);
                 self.say("copied the command line".to_owned());
             }
@@ -328,14 +329,13 @@ impl App {
     }
 
     fn copy_picture(&mut self) {
-        let Some(frame) = &self.screen.frame else {
+        let Some(size) = self.full_size() else {
             return;
         };
-        // The texture's bytes are on the adapter; the picture is what was drawn into it.
-        if let Some(picture) = frame.drawn.first().map(|d| &d.picture) {
-            self.context
-                .copy_image(image::shown(picture, frame.backdrop));
-            self.say("copied the picture".to_owned());
+        match self.shot(size, false) {
+            Ok(Some(shot)) => self.start_job(Job::Copy(Box::new(shot))),
+            Ok(None) => {}
+            Err(error) => self.complain(&error),
         }
     }
 
@@ -343,7 +343,10 @@ impl App {
     pub fn sweep(&mut self) {
         let size = self.drawn().map_or([256; 2], |settings| settings.size);
         match self.shot(size, false) {
-            Ok(Some(shot)) => {
+            Ok(Some(mut shot)) => {
+                // Slices skip nothing: it is methods that are timed.
+                shot.settings.slices = None;
+                shot.way.slices = None;
                 if let Some(document) = self.document_mut() {
                     document.sweep.clear();
                 }

@@ -2,25 +2,28 @@
 //! follows from has changed, a new one is asked for.
 
 use std::collections::VecDeque;
-use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, Context, TextureHandle, Ui};
+use eframe::egui::{self, Context, TextureHandle, TextureId, Ui};
 
 use crate::error::{Error, Result};
 use crate::render::Settings;
+use crate::volume::Source;
 
 use super::dialogs::Dialog;
+use super::direct::WindowGpu;
 use super::document::Document;
 use super::jobs::{Done, Job, Running, Shot};
 use super::look::{Look, Way};
 use super::overlay::Key;
+use super::path_dialog::{self, Picked};
 use super::quality::{Level, Quality};
+use super::reply::{Details, Frame, Pixels, Reply, Stage};
 use super::session::{Kept, Recent};
 use super::verdict::Verdict;
 use super::view::View;
-use super::worker::{Details, Frame, Reply, Stage, Worker};
+use super::worker::Worker;
 use super::{canvas, dialogs, panels, status, transfer_panel};
 
 /// What stands behind a picture that has no background, sRGB: as dark as the window.
@@ -99,17 +102,42 @@ pub(super) struct Asked {
     pub(super) difference: bool,
 }
 
+/// Where a picture on the screen lies: in a texture that bytes are sent to, or in one that it was drawn into.
+#[derive(Default)]
+pub(super) struct OnCanvas {
+    pub(super) sent: Option<TextureHandle>,
+    pub(super) direct: Option<TextureId>,
+    /// Which of the two is the last.
+    pub(super) is_direct: bool,
+}
+
+impl OnCanvas {
+    /// The last one.
+    pub(super) fn id(&self) -> Option<TextureId> {
+        let sent = self.sent.as_ref().map(TextureHandle::id);
+        if self.is_direct { self.direct } else { sent }
+    }
+}
+
 /// A frame on the screen.
 #[derive(Default)]
 pub(super) struct OnScreen {
     pub(super) frame: Option<Frame>,
-    pub(super) textures: Vec<TextureHandle>,
+    pub(super) pictures: Vec<OnCanvas>,
     pub(super) difference: Option<TextureHandle>,
     pub(super) details: Option<Details>,
     pub(super) heat: Option<TextureHandle>,
     pub(super) verdict: Option<Verdict>,
     /// Frame times in ms, the last last.
     pub(super) times: VecDeque<f32>,
+}
+
+/// What a window leaves to the one that is opened in its place.
+pub(super) struct Carried {
+    documents: Vec<Document>,
+    current: usize,
+    shown: Shown,
+    messages: Vec<Message>,
 }
 
 /// The window.
@@ -125,26 +153,33 @@ pub struct App {
     pub(super) jobs: Vec<Running>,
     pub(super) messages: Vec<Message>,
     pub(super) dialog: Option<Dialog>,
-    pub(super) picked: (Sender<Option<PathBuf>>, Receiver<Option<PathBuf>>),
+    pub(super) picked: (Sender<Picked>, Receiver<Picked>),
     pub(super) worker: Worker,
+    /// The device that pictures are drawn on, where it is the window's own.
+    pub(super) window: Option<WindowGpu>,
     pub(super) replies: Receiver<Reply>,
     pub(super) told: (Sender<Done>, Receiver<Done>),
     /// What a session says of volumes that are still being read.
     pub(super) awaited: Vec<Kept>,
-    pub(super) asked: Option<(Asked, Level)>,
+    /// What was asked for last, in which quality, and whether as something that moves.
+    pub(super) asked: Option<(Asked, Level, bool)>,
     pub(super) ticket: u64,
     pub(super) next_id: u64,
     /// The blocks that are being classified, and of which document.
     pub(super) classifying: Option<(u64, Key)>,
+    /// How long this frame waited for its picture.
+    pub(super) waited: Option<Duration>,
+    /// When the last frame that waited began, and how long it did.
+    awaited_before: Option<(Duration, Duration)>,
     start: Instant,
 }
 
 impl App {
-    /// A window with nothing open.
+    /// A window with nothing open. Pictures on the GPU are drawn on `window`, where it is given.
     ///
     /// # Errors
     /// Where the system gives no thread to draw in.
-    pub fn new(context: &Context, recent: Recent) -> Result<Self> {
+    pub fn new(context: &Context, recent: Recent, window: Option<WindowGpu>) -> Result<Self> {
         let (sender, replies) = channel();
         Ok(Self {
             context: context.clone(),
@@ -158,7 +193,12 @@ impl App {
             messages: Vec::new(),
             dialog: None,
             picked: channel(),
-            worker: Worker::start(sender, context.clone())?,
+            worker: Worker::start(
+                sender,
+                context.clone(),
+                window.as_ref().map(|w| w.gpu.clone()),
+            )?,
+            window,
             replies,
             told: channel(),
             awaited: Vec::new(),
@@ -166,21 +206,50 @@ impl App {
             ticket: 0,
             next_id: 0,
             classifying: None,
+            waited: None,
+            awaited_before: None,
             start: Instant::now(),
         })
     }
 
-    /// Opens a volume, as the command names it.
-    pub fn open(&mut self, volume: &str) {
-        self.start_job(Job::Load(volume.to_owned()));
+    /// Opens a volume.
+    pub fn open(&mut self, source: Source) {
+        self.start_job(Job::Load(source));
     }
 
     /// Opens what a session kept.
     pub fn restore(&mut self, kept: Vec<Kept>) {
         for kept in kept {
-            self.open(&kept.volume);
+            self.open(kept.source.clone());
             self.awaited.push(kept);
         }
+    }
+
+    /// What outlives the window's device, when that is lost.
+    pub(super) fn carry_on(&mut self) -> Carried {
+        self.stop();
+        Carried {
+            documents: std::mem::take(&mut self.documents),
+            current: self.current,
+            shown: self.shown,
+            messages: std::mem::take(&mut self.messages),
+        }
+    }
+
+    /// Goes on with what another window left.
+    pub(super) fn go_on_with(&mut self, carried: Carried) {
+        let Carried {
+            documents,
+            current,
+            shown,
+            messages,
+        } = carried;
+        self.next_id = documents.iter().map(|d| d.id).max().unwrap_or(0);
+        self.documents = documents;
+        self.current = current;
+        self.shown = shown;
+        self.messages = messages;
+        self.say("the graphics device was lost: the window was opened anew".to_owned());
     }
 
     /// The document that is shown.
@@ -199,7 +268,7 @@ impl App {
             .screen
             .frame
             .as_ref()
-            .is_some_and(|frame| frame.ticket == self.ticket && frame.level == Level::FULL);
+            .is_some_and(|frame| frame.ticket == self.ticket && !frame.is_moving);
         self.jobs.is_empty() && is_drawn && self.worker.stage() == Stage::Idle
     }
 
@@ -211,6 +280,13 @@ impl App {
     /// The settings that the picture on the screen was drawn with, once it is there.
     pub fn drawn(&self) -> Option<Settings> {
         Some(self.screen.frame.as_ref()?.drawn.first()?.settings)
+    }
+
+    /// The backend that drew the picture on the screen, and whether it did so on the window's own device.
+    pub fn drawn_by(&self) -> Option<(&'static str, bool)> {
+        let drawn = self.screen.frame.as_ref()?.drawn.first()?;
+        let is_direct = matches!(drawn.shown, Pixels::Canvas(_));
+        Some((drawn.backend.backend, is_direct))
     }
 
     /// How the two pictures on the screen differ: pixels with any bit different, and the largest difference of a channel.
@@ -289,24 +365,27 @@ impl App {
 
     /// One frame of the window.
     pub fn show(&mut self, ui: &mut Ui) {
+        let now = self.now();
+        tracing::debug!("at {:.0} ms: window", now.as_secs_f64() * 1e3);
+        if let Some((began, waited)) = self.awaited_before.take() {
+            let around = now.saturating_sub(began).saturating_sub(waited);
+            self.quality.measured_around(around.as_secs_f64() * 1e3);
+        }
         self.receive();
-        dialogs::take_picked(self);
+        path_dialog::take_picked(self);
         let dropped = ui.input(|i| i.raw.dropped_files.clone());
         for file in dropped {
-            self.open(&file.path().display().to_string());
+            self.open(Source::new(&file.path().display().to_string()));
         }
         super::actions::shortcuts(self, ui);
         status::top(self, ui);
         status::bottom(self, ui);
         panels::left(self, ui);
         transfer_panel::bottom(self, ui);
-        let size = egui::CentralPanel::no_frame()
-            .show(ui, |ui| canvas::show(self, ui))
-            .inner;
         dialogs::show(self, ui);
-        if let Some(size) = size {
-            self.ask(size);
-        }
+        // Last: it asks for the picture that follows from all that was changed before.
+        egui::CentralPanel::no_frame().show(ui, |ui| canvas::show(self, ui));
+        self.awaited_before = self.waited.take().map(|waited| (now, waited));
         let is_dragging = ui.input(|i| i.pointer.any_down());
         if let Some(document) = self.document_mut()
             && !is_dragging

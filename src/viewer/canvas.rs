@@ -2,11 +2,11 @@
 
 use eframe::egui::{
     Align2, Color32, CursorIcon, FontId, Id, Key, Painter, PointerButton, Pos2, Rect, Response,
-    Sense, Stroke, Ui, pos2, vec2,
+    Sense, Stroke, TextureHandle, Ui, pos2, vec2,
 };
 use glam::DVec3;
 
-use super::app::{App, Compare};
+use super::app::{App, Compare, OnCanvas};
 use super::captions;
 use super::document::Document;
 use super::overlay::{MOST, Projector, Rectangle, box_edges};
@@ -27,20 +27,24 @@ pub(super) struct Pane {
     pub(super) which: usize,
 }
 
-/// Draws the picture and takes what the pointer does to it; tells the size in pixels that pictures should have.
-pub(super) fn show(app: &mut App, ui: &mut Ui) -> Option<[u32; 2]> {
+/// Takes what the pointer does to the picture, asks for the one that follows from it, and draws what there is.
+pub(super) fn show(app: &mut App, ui: &mut Ui) {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     let painter = ui.painter_at(rect);
     if app.document().is_none() {
         welcome(&painter, rect, !app.jobs.is_empty(), ui);
-        return None;
+        return;
     }
     let panes = panes(app, rect);
     steer(app, ui, &response, &panes);
     if app.shown.compare == Compare::Split {
         divide(app, ui, rect);
     }
+    let pixels = panes[0].rect.size() * ui.ctx().pixels_per_point();
+    let most = ui.input(|i| i.max_texture_side).clamp(16, 8192) as u32;
+    app.ask([pixels.x, pixels.y].map(|n| (n.round() as u32).clamp(16, most)));
+    app.await_moving();
     for pane in &panes {
         picture(app, &painter, pane);
         if let Some(document) = app.document() {
@@ -52,8 +56,6 @@ pub(super) fn show(app: &mut App, ui: &mut Ui) -> Option<[u32; 2]> {
         let camera = document.view.camera(document.volume.voxel_size());
         captions::cross(&painter, rect, &camera);
     }
-    let pixels = panes[0].rect.size() * ui.ctx().pixels_per_point();
-    Some([pixels.x, pixels.y].map(|n| (n.round() as u32).clamp(16, 8192)))
 }
 
 fn welcome(painter: &Painter, rect: Rect, is_loading: bool, ui: &Ui) {
@@ -202,18 +204,20 @@ fn divide(app: &mut App, ui: &Ui, rect: Rect) {
 
 fn picture(app: &App, painter: &Painter, pane: &Pane) {
     let screen = &app.screen;
+    let sent = |texture: &Option<TextureHandle>| texture.as_ref().map(TextureHandle::id);
+    let picture = |i: usize| screen.pictures.get(i).and_then(OnCanvas::id);
     let texture = if app.shown.compare == Compare::Difference {
-        screen.difference.as_ref()
+        sent(&screen.difference)
     } else if app.shown.heat && pane.which == 0 {
-        screen.heat.as_ref().or(screen.textures.first())
+        sent(&screen.heat).or(picture(0))
     } else {
-        screen.textures.get(pane.which).or(screen.textures.first())
+        picture(pane.which).or(picture(0))
     };
     if let Some(texture) = texture {
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter
             .with_clip_rect(pane.seen)
-            .image(texture.id(), pane.rect, uv, Color32::WHITE);
+            .image(texture, pane.rect, uv, Color32::WHITE);
     }
 }
 

@@ -11,8 +11,8 @@ use crate::scene::Picture;
 use super::app::{App, Compare};
 use super::canvas::Pane;
 use super::image;
+use super::reply::GAIN;
 use super::view::across;
-use super::worker::GAIN;
 
 /// What each picture is, in its corner; the divider; the legend of heat; the number of a difference.
 pub(super) fn captions(app: &App, painter: &Painter, rect: Rect, panes: &[Pane]) {
@@ -37,7 +37,10 @@ pub(super) fn captions(app: &App, painter: &Painter, rect: Rect, panes: &[Pane])
         drawn.map_or_else(
             || way.words(),
             |d| {
-                let choice = Choice::of(&d.settings).words();
+                let choice = d.settings.slices.map_or_else(
+                    || Choice::of(&d.settings).words(),
+                    |count| format!("slices, {count}"),
+                );
                 format!("{choice}: {:.1} ms", d.times.frame_ms)
             },
         )

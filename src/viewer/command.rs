@@ -2,11 +2,12 @@
 
 use crate::lattice::Clipping;
 use crate::mode::{Light, Lighting, Mode, Window};
-use crate::render::{Choice, Settings};
-use crate::sample::Sampler;
+use crate::output::srgb_from_linear;
+use crate::render::{Choice, Settings, SliceCount};
+use crate::sample::{Classification, Sampler};
 use crate::skip::Skip;
 use crate::transfer::{PRESETS, TransferFunction};
-use crate::volume::Statistics;
+use crate::volume::{Source, Statistics};
 
 use super::look::Look;
 use super::view::View;
@@ -15,8 +16,8 @@ use crate::camera::Projection;
 /// A picture as it was or will be drawn: all that the command is told.
 #[derive(Debug)]
 pub struct Drawn<'a> {
-    /// The volume, as the command names it.
-    pub volume: &'a str,
+    /// The volume, and how it is read.
+    pub source: &'a Source,
     /// Of the volume: what presets and modes follow from.
     pub statistics: &'a Statistics,
     /// What is shown.
@@ -35,10 +36,20 @@ impl Drawn<'_> {
     /// The arguments after `hollowcast`, without an output file.
     pub fn arguments(&self) -> Vec<String> {
         let settings = self.settings;
-        let mut words = vec!["render".to_owned(), self.volume.to_owned()];
+        let mut words = vec!["render".to_owned(), self.source.volume.clone()];
+        if self.source.pad_cube {
+            words.push("--pad-cube".to_owned());
+        }
         let mut flag = |name: &str, value: String| words.extend([name.to_owned(), value]);
+        reading(&mut flag, self.source);
         flag("--backend", self.backend.to_owned());
-        flag("--method", settings.skip.method().name.to_owned());
+        match settings.slices {
+            Some(count) => {
+                flag("--renderer", "slices".to_owned());
+                flag("--slices", slices_flag(count));
+            }
+            None => flag("--method", settings.skip.method().name.to_owned()),
+        }
         if settings.skip.reads_blocks() {
             flag("--block", settings.block.to_string());
         }
@@ -51,6 +62,10 @@ impl Drawn<'_> {
             flag(name, cut);
         }
         flag("--sampler", self.sampler.name().to_owned());
+        if settings.classification != Classification::Post {
+            let name = settings.classification.name();
+            flag("--classification", name.to_owned());
+        }
         flag("--step", format!("{:?}", settings.step_voxels));
         let ert = if settings.ert >= 1.0 {
             "off".to_owned()
@@ -66,6 +81,12 @@ impl Drawn<'_> {
             flag("--table-size", settings.table_entries.to_string());
         }
         self.mode(&mut flag);
+        if settings.mode.takes_gradients() {
+            flag("--gradients", settings.gradients.name().to_owned());
+        }
+        if settings.depth_cue > 0.0 {
+            flag("--depth-cue", format!("{:?}", settings.depth_cue));
+        }
         if settings.clipping != Clipping::NONE {
             if self.look.clip_box != [[None; 2]; 3] {
                 let end = |end: Option<f64>| end.map_or(String::new(), |n| format!("{n:?}"));
@@ -143,6 +164,31 @@ impl Drawn<'_> {
     }
 }
 
+/// The count of slices, as `--slices` reads it.
+pub(super) fn slices_flag(count: SliceCount) -> String {
+    match count {
+        SliceCount::PerVoxel => "voxel".to_owned(),
+        SliceCount::Exactly(count) => count.to_string(),
+    }
+}
+
+/// How the volume is read, where not just so.
+fn reading(flag: &mut impl FnMut(&str, String), source: &Source) {
+    if let Some(crop) = &source.crop {
+        flag("--crop", crop.to_string());
+    }
+    if let Some(n) = source.downsample {
+        flag("--downsample", n.to_string());
+    }
+    if let Some(raw) = &source.raw {
+        flag("--dims", raw.dims.map(|n| n.to_string()).join("x"));
+        flag("--type", raw.scalar.name().to_owned());
+        flag("--endian", raw.endian.name().to_owned());
+        flag("--skip-bytes", raw.skip_bytes.to_string());
+        flag("--spacing", numbers(&raw.spacing.to_array()));
+    }
+}
+
 fn window(flag: &mut impl FnMut(&str, String), window: Window) {
     flag("--window", format!("{:?}:{:?}", window.low, window.high));
 }
@@ -169,14 +215,7 @@ fn colored(flag: &mut impl FnMut(&str, String), name: &str, color: [f64; 3], usu
 
 /// The nearest 8-bit sRGB colour to a linear one.
 pub(super) fn srgb(linear: [f64; 3]) -> [u8; 3] {
-    linear.map(|c| {
-        let below = |byte: u8| crate::output::linear_from_srgb(f64::from(byte) / 255.0);
-        let nearest = |a: &u8, b: &u8| {
-            let off = |byte: u8| (below(byte) - c).abs();
-            off(*a).total_cmp(&off(*b))
-        };
-        (0..=255).min_by(nearest).unwrap_or(0)
-    })
+    linear.map(|c| (srgb_from_linear(c.clamp(0.0, 1.0)) * 255.0).round() as u8)
 }
 
 /// As `--camera` reads it: each number as the shortest text that reads back the same.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::error::Result;
 use crate::render::Choice;
-use crate::volume::{Statistics, Volume};
+use crate::volume::{Source, Statistics, Volume};
 
 use super::editor::{Axes, bars};
 use super::history::History;
@@ -20,8 +20,8 @@ pub type Edit = (Look, Way, Way);
 pub struct Document {
     /// Tells it from others.
     pub id: u64,
-    /// The volume, as the command names it.
-    pub name: String,
+    /// Where the volume is from.
+    pub source: Source,
     /// The voxels.
     pub volume: Arc<Volume>,
     /// Its values.
@@ -53,13 +53,18 @@ impl Document {
     ///
     /// # Errors
     /// None that finite statistics can cause.
-    pub fn new(id: u64, name: String, volume: Arc<Volume>, statistics: Statistics) -> Result<Self> {
+    pub fn new(
+        id: u64,
+        source: Source,
+        volume: Arc<Volume>,
+        statistics: Statistics,
+    ) -> Result<Self> {
         let look = Look::of(&statistics)?;
         let way = Way::default();
         let view = View::home(volume.extent(), volume.voxel_size());
         Ok(Self {
             id,
-            name,
+            source,
             bars: bars(&statistics),
             axes: Axes::whole(&statistics),
             history: History::new((look.clone(), way, way)),
@@ -77,13 +82,14 @@ impl Document {
 
     /// The name without its folder.
     pub fn short_name(&self) -> &str {
-        self.name.rsplit(['/', '\\']).next().unwrap_or(&self.name)
+        let name = &self.source.volume;
+        name.rsplit(['/', '\\']).next().unwrap_or(name)
     }
 
     /// What a session keeps of it.
     pub fn kept(&self) -> Kept {
         Kept {
-            volume: self.name.clone(),
+            source: self.source.clone(),
             look: self.look.clone(),
             way: self.way,
             other: self.other,

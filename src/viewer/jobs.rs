@@ -1,6 +1,7 @@
 //! Work that takes its time beside the window: loading, saving, orbits, sweeps. Each has a thread of its own, tells how far
 //! it is, and can be stopped.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::Sender;
@@ -12,14 +13,14 @@ use crate::error::{Error, Result};
 use crate::octree::BLOCKS;
 use crate::output::{self, PngEncoding};
 use crate::render::{Choice, Settings};
-use crate::scene::Progress;
+use crate::scene::{Picture, Progress};
 use crate::skip::{Cuts, Skip};
 use crate::transfer::TransferFunction;
-use crate::volume::{self, Statistics, Volume};
+use crate::volume::{Reading, Source, Statistics, Volume};
 
 use super::look::Way;
 use super::overlay::{Key, Overlay};
-use super::renderers::{Renderers, chosen};
+use super::renderers::{Renderers, chosen, of_panic};
 
 /// What a job is told from outside, and tells.
 #[derive(Debug, Default)]
@@ -27,18 +28,22 @@ pub struct Control {
     permille: AtomicU32,
     cancelled: AtomicBool,
     drawing: Mutex<Option<Arc<Progress>>>,
+    reading: Arc<Reading>,
 }
 
 impl Control {
     /// How much is done, 0 to 1; `None` where the job does not tell.
     pub fn fraction(&self) -> Option<f32> {
         let permille = self.permille.load(Ordering::Relaxed);
-        (permille > 0).then(|| permille as f32 / 1000.0)
+        let told = (permille > 0).then(|| permille as f32 / 1000.0);
+        // After the file is read, its values are counted.
+        told.or_else(|| Some(self.reading.fraction()? as f32 * 0.8))
     }
 
     /// Asks the job to stop.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
+        self.reading.cancel();
         let drawing = self.drawing.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(progress) = &*drawing {
             progress.cancel();
@@ -82,10 +87,12 @@ pub struct Shot {
 /// What is to be done.
 #[derive(Debug)]
 pub enum Job {
-    /// Read a volume, as the command names it.
-    Load(String),
+    /// Read a volume.
+    Load(Source),
     /// Write a picture.
     Save(Box<Shot>, PathBuf),
+    /// Draw a picture for the clipboard.
+    Copy(Box<Shot>),
     /// Write a picture per view, numbered, into a folder.
     Orbit(Box<Shot>, Vec<crate::camera::Camera>, PathBuf),
     /// Time all lossless methods in all blocks.
@@ -98,7 +105,9 @@ pub enum Job {
 #[derive(Debug)]
 pub enum Done {
     /// A volume was read.
-    Loaded(String, Arc<Volume>, Box<Statistics>),
+    Loaded(Box<Source>, Arc<Volume>, Box<Statistics>),
+    /// A picture for the clipboard.
+    Copied(Box<Picture>),
     /// Something was written; a line that says what.
     Wrote(String),
     /// One point of a sweep: the choice and its frame time in ms.
@@ -115,8 +124,9 @@ impl Job {
     /// In few words.
     pub fn label(&self) -> String {
         match self {
-            Self::Load(volume) => format!("reading {volume}"),
+            Self::Load(source) => format!("reading {}", source.volume),
             Self::Save(_, path) => format!("drawing {}", path.display()),
+            Self::Copy(_) => "drawing a picture to copy".to_owned(),
             Self::Orbit(_, views, _) => format!("drawing {} pictures", views.len()),
             Self::Sweep(_) => "timing methods and block sizes".to_owned(),
             Self::Overlay(..) => "classifying blocks".to_owned(),
@@ -136,9 +146,12 @@ impl Job {
                     let _ = told.send(done);
                     context.request_repaint();
                 };
-                match self.run(&own, &tell) {
-                    Ok(()) | Err(Error::Cancelled) => {}
-                    Err(error) => tell(Done::Failed(error)),
+                // A panic, as which a driver's failure may come, is an error like others.
+                let work = AssertUnwindSafe(|| self.run(&own, &tell));
+                match catch_unwind(work) {
+                    Ok(Ok(()) | Err(Error::Cancelled)) => {}
+                    Ok(Err(error)) => tell(Done::Failed(error)),
+                    Err(panic) => tell(Done::Failed(of_panic(panic.as_ref()))),
                 }
                 tell(Done::Finished(id));
             }
@@ -153,15 +166,19 @@ impl Job {
 
     fn run(self, control: &Control, tell: &impl Fn(Done)) -> Result<()> {
         match self {
-            Self::Load(name) => {
-                let volume = volume::load(&name, None)?;
+            Self::Load(source) => {
+                let volume = control.reading.watch(|| source.load())?;
                 let statistics = Box::new(Statistics::of(&volume));
                 control.check()?;
-                tell(Done::Loaded(name, Arc::new(volume), statistics));
+                tell(Done::Loaded(Box::new(source), Arc::new(volume), statistics));
             }
             Self::Save(shot, path) => {
                 save(&shot, &path, control)?;
                 tell(Done::Wrote(format!("wrote {}", path.display())));
+            }
+            Self::Copy(shot) => {
+                let picture = picture(&shot, &mut Renderers::default(), control)?;
+                tell(Done::Copied(Box::new(picture)));
             }
             Self::Orbit(shot, views, folder) => {
                 orbit(*shot, &views, &folder, control)?;
@@ -206,22 +223,21 @@ pub struct Running {
 
 fn save(shot: &Shot, path: &Path, control: &Control) -> Result<()> {
     output::Format::from_path(path)?;
-    let mut renderers = Renderers::default();
-    picture(shot, &mut renderers, path, control)
+    let picture = picture(shot, &mut Renderers::default(), control)?;
+    output::write(&picture, path, PngEncoding::default())
 }
 
-fn picture(shot: &Shot, renderers: &mut Renderers, path: &Path, control: &Control) -> Result<()> {
-    let renderer =
-        renderers.for_picture(&shot.way, &shot.settings.mode, &shot.volume, &shot.transfer)?;
+fn picture(shot: &Shot, renderers: &mut Renderers, control: &Control) -> Result<Picture> {
+    let what = (&shot.way, &shot.settings, false);
+    let renderer = renderers.for_picture(what, &shot.volume, &shot.transfer)?;
     control.draws(renderer.progress());
     control.check()?;
     let settings = chosen(renderer, &shot.way, &shot.settings)?;
-    let rendered = renderer.render(&settings)?;
-    let picture = match shot.background {
-        Some(color) => output::over(&rendered.picture, color),
-        None => rendered.picture,
-    };
-    output::write(&picture, path, PngEncoding::default())
+    let picture = renderer.render(&settings)?.picture;
+    Ok(match shot.background {
+        Some(color) => output::over(&picture, color),
+        None => picture,
+    })
 }
 
 fn orbit(
@@ -236,7 +252,8 @@ fn orbit(
         control.at(i as f64 / views.len() as f64)?;
         shot.settings.camera = *camera;
         let path = folder.join(format!("{i:04}.png"));
-        picture(&shot, &mut renderers, &path, control)?;
+        let picture = picture(&shot, &mut renderers, control)?;
+        output::write(&picture, &path, PngEncoding::default())?;
     }
     Ok(())
 }
@@ -244,8 +261,11 @@ fn orbit(
 /// Box once, then every method that skips in every block size: the least of two frames after one that warms.
 fn sweep(shot: &Shot, control: &Control, tell: &impl Fn(Done)) -> Result<()> {
     let mut renderers = Renderers::default();
-    let renderer =
-        renderers.for_picture(&shot.way, &shot.settings.mode, &shot.volume, &shot.transfer)?;
+    let renderer = renderers.for_picture(
+        (&shot.way, &shot.settings, false),
+        &shot.volume,
+        &shot.transfer,
+    )?;
     control.draws(renderer.progress());
     let candidates: Vec<Choice> = renderer
         .candidates(&BLOCKS)

@@ -4,9 +4,9 @@ use crate::error::Result;
 use crate::lattice::Clipping;
 use crate::mode::Mode;
 use crate::output::linear_from_srgb;
-use crate::render::{BackendChoice, Choice, DEFAULT_BLOCK, MethodChoice, Settings};
-use crate::sample::Sampler;
-use crate::skip::{Cuts, HalfCut, Skip};
+use crate::render::{BackendChoice, Choice, DEFAULT_BLOCK, MethodChoice, Settings, SliceCount};
+use crate::sample::{Classification, Gradients, Sampler};
+use crate::skip::{Cuts, Skip};
 use crate::transfer::{PRESETS, TransferFunction};
 use crate::volume::{Statistics, Volume};
 
@@ -25,6 +25,8 @@ pub struct Look {
     pub clip_planes: Vec<[f64; 4]>,
     /// Behind the picture, sRGB; `None`: nothing.
     pub background: Option<[u8; 3]>,
+    /// Share of light that colours lose at the farthest point of the box; 0: none.
+    pub depth_cue: f64,
 }
 
 impl Look {
@@ -39,6 +41,7 @@ impl Look {
             clip_box: [[None; 2]; 3],
             clip_planes: Vec::new(),
             background: None,
+            depth_cue: 0.0,
         })
     }
 
@@ -64,6 +67,12 @@ pub struct Way {
     pub cuts: Cuts,
     /// HOW a sample is taken; `None`: as suits the backend.
     pub sampler: Option<Sampler>,
+    /// When samples get their colour; counts where the mode reads the table.
+    pub classification: Classification,
+    /// Where gradients come from; counts where the mode takes any.
+    pub gradients: Gradients,
+    /// Blends so many slices in place of casting rays, whatever the method.
+    pub slices: Option<SliceCount>,
     /// Distance of samples, in voxels of the smallest spacing.
     pub step_voxels: f64,
     /// Opacity at which a ray stops; 1: never.
@@ -79,6 +88,9 @@ impl Default for Way {
             block: DEFAULT_BLOCK,
             cuts: Cuts::default(),
             sampler: None,
+            classification: Classification::Post,
+            gradients: Gradients::Fly,
+            slices: None,
             step_voxels: 0.5,
             ert: 0.98,
             backend: BackendChoice::Auto,
@@ -87,11 +99,20 @@ impl Default for Way {
 }
 
 impl Way {
+    /// The method that rays skip by; slices skip nothing.
+    pub fn method(&self) -> MethodChoice {
+        match self.slices {
+            Some(_) => MethodChoice::Only(Skip::Box),
+            None => self.method,
+        }
+    }
+
     /// In few words, for the heading of a picture.
     pub fn words(&self) -> String {
-        let choice = match self.method {
-            MethodChoice::Auto => "auto".to_owned(),
-            MethodChoice::Only(skip) => Choice {
+        let choice = match (self.slices, self.method) {
+            (Some(count), _) => return format!("slices, {count}"),
+            (None, MethodChoice::Auto) => "auto".to_owned(),
+            (None, MethodChoice::Only(skip)) => Choice {
                 skip,
                 block: self.block,
                 cuts: self.cuts,
@@ -99,20 +120,6 @@ impl Way {
             .words(),
         };
         format!("{choice}, step {}", self.step_voxels)
-    }
-
-    /// Whether the CPU backend can draw this in this mode.
-    pub fn is_on_cpu(&self, mode: &Mode) -> bool {
-        let has_method = match self.method {
-            MethodChoice::Auto => true,
-            MethodChoice::Only(skip) => {
-                let cuts_best = skip == Skip::HalfSplit && self.cuts.half == HalfCut::Best;
-                skip.check_backend("cpu").is_ok() && !cuts_best
-            }
-        };
-        has_method
-            && mode.check_backend("cpu").is_ok()
-            && matches!(self.sampler, None | Some(Sampler::Exact))
     }
 
     /// The settings of one picture; of `auto`, what is left to choose is as it happens to be.
@@ -128,13 +135,25 @@ impl Way {
     ) -> Result<Settings> {
         let voxel_size = volume.voxel_size();
         Ok(Settings {
-            skip: match self.method {
+            skip: match self.method() {
                 MethodChoice::Auto => Skip::Box,
                 MethodChoice::Only(skip) => skip,
             },
             cuts: self.cuts,
             sampler: self.sampler,
+            classification: if look.mode.takes_table() {
+                self.classification
+            } else {
+                Classification::Post
+            },
             mode: look.mode,
+            gradients: if look.mode.takes_gradients() {
+                self.gradients
+            } else {
+                Gradients::Fly
+            },
+            depth_cue: look.depth_cue,
+            slices: self.slices,
             block: self.block,
             step_voxels: self.step_voxels,
             ert: self.ert,
@@ -142,29 +161,5 @@ impl Way {
             clipping: Clipping::in_voxels(&look.clip_box, &look.clip_planes, voxel_size)?,
             ..Settings::new(view.camera(voxel_size))
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mode::MODES;
-    use crate::volume::phantom;
-
-    #[test]
-    fn what_the_cpu_cannot_draw_is_known_before() {
-        let statistics = Statistics::of(&phantom::make("pot", [8; 3]).unwrap());
-        let way = Way::default();
-        for row in MODES {
-            let mode = (row.suited_to)(&statistics);
-            assert_eq!(way.is_on_cpu(&mode), row.backends.contains(&"cpu"));
-        }
-        let mode = Mode::EmissionAbsorption;
-        for (method, on_cpu) in [(Skip::BeamMasks, true), (Skip::KCuts, false)] {
-            let method = MethodChoice::Only(method);
-            assert_eq!(Way { method, ..way }.is_on_cpu(&mode), on_cpu);
-        }
-        let sampler = Some(Sampler::Hardware);
-        assert!(!Way { sampler, ..way }.is_on_cpu(&mode));
     }
 }

@@ -1,40 +1,51 @@
 //! The mode and its parameters.
 
-use eframe::egui::{CollapsingHeader, Grid, RichText, Slider, Ui};
+use eframe::egui::{Grid, Slider, Ui};
 
-use crate::mode::{Light, Lighting, MODES, Mode, Window};
+use crate::mode::{DepthCue, Light, Lighting, MODES, Mode, Window};
 use crate::volume::Statistics;
 
 use super::document::Document;
-use super::rows::{choice, color, number, row};
+use super::look::Look;
+use super::rows::{choice, color, number, row, section};
 
 /// The section of the left panel.
 pub(super) fn show(document: &mut Document, ui: &mut Ui) {
-    CollapsingHeader::new(RichText::new("Mode").strong())
-        .id_salt("Mode")
-        .default_open(true)
-        .show(ui, |ui| {
-            Grid::new("mode").num_columns(2).show(ui, |ui| {
-                let before = document.look.mode.name();
-                let mut name = before;
-                let all = MODES
-                    .iter()
-                    .map(|row| (row.name, row.name.to_owned(), row.summary.to_owned()));
-                choice(
-                    ui,
-                    ("mode", "mode", "WHAT is done with the samples"),
-                    &mut name,
-                    before,
-                    all,
-                );
-                if name != before
-                    && let Some(row) = MODES.iter().find(|row| row.name == name)
-                {
-                    document.look.mode = (row.suited_to)(&document.statistics);
-                }
-                parameters(ui, &mut document.look.mode, &document.statistics);
-            });
+    section(ui, "Mode", "what is done with the samples", true, |ui| {
+        Grid::new("mode").num_columns(2).show(ui, |ui| {
+            let before = document.look.mode.name();
+            let mut name = before;
+            let all = MODES
+                .iter()
+                .map(|row| (row.name, row.name.to_owned(), row.summary.to_owned()));
+            choice(
+                ui,
+                ("mode", "mode", "WHAT is done with the samples"),
+                &mut name,
+                before,
+                all,
+            );
+            if name != before
+                && let Some(row) = MODES.iter().find(|row| row.name == name)
+            {
+                document.look.mode = (row.suited_to)(&document.statistics);
+            }
+            parameters(ui, &mut document.look.mode, &document.statistics);
+            depth_cue(ui, &mut document.look);
         });
+    });
+}
+
+/// Fading with depth, in modes whose colours may.
+fn depth_cue(ui: &mut Ui, look: &mut Look) {
+    if DepthCue::check(1.0, &look.mode, "gpu").is_err() {
+        look.depth_cue = 0.0;
+        return;
+    }
+    let tip = "share of light that colours lose at the farthest point of the box; 0: none";
+    row(ui, "depth cue", tip, |ui| {
+        ui.add(Slider::new(&mut look.depth_cue, 0.0..=1.0).max_decimals(2))
+    });
 }
 
 fn parameters(ui: &mut Ui, mode: &mut Mode, statistics: &Statistics) {

@@ -41,17 +41,20 @@ pub struct Key {
     pub step_voxels: f64,
     /// Entries of the table.
     pub table_entries: usize,
+    /// Voxels around a block that samples in it may touch.
+    pub apron: usize,
 }
 
 impl Key {
     /// What a picture's overlay follows from.
-    pub fn of(transfer: &TransferFunction, settings: &Settings) -> Self {
+    pub fn of(transfer: &TransferFunction, settings: &Settings, sampler: Sampler) -> Self {
         Self {
             transfer: transfer.clone(),
             mode: settings.mode,
             block: settings.block,
             step_voxels: settings.step_voxels,
             table_entries: settings.table_entries,
+            apron: sampler.apron(),
         }
     }
 }
@@ -62,7 +65,7 @@ impl Overlay {
     /// # Errors
     /// [`crate::Error::Setting`] for a block or table size that there is not.
     pub fn new(volume: &Volume, key: &Key) -> Result<Self> {
-        let accelerator = Accelerator::build(volume, key.block, Sampler::Exact.apron())?;
+        let accelerator = Accelerator::build(volume, key.block, key.apron)?;
         let range = statistics::stored_range(volume);
         let domain = Domain::new(volume, range, key.table_entries)?;
         let table = key.transfer.bake(&domain, key.step_voxels);
@@ -214,7 +217,7 @@ mod tests {
         let volume = phantom::make("pot", [40, 40, 28]).unwrap();
         let camera = Orbit::default().camera(volume.extent());
         let transfer = TransferFunction::from_spec("opaque", &Statistics::of(&volume)).unwrap();
-        let key = Key::of(&transfer, &Settings::new(camera));
+        let key = Key::of(&transfer, &Settings::new(camera), Sampler::Exact);
         let overlay = Overlay::new(&volume, &key).unwrap();
         let [active, all] = overlay.counts();
         assert!(active > 0 && active < all && all == 5 * 5 * 4);

@@ -1,9 +1,21 @@
 //! How good a picture is while something moves: coarser steps and fewer pixels, as far as the frame rate asks for it.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
-/// What drawing may take while moving, in ms: the window itself takes time too, on a software adapter about as much.
-const TARGET_MS: f64 = 45.0;
+/// What a whole frame may take while moving, in ms: drawing the picture, laying out the window, painting and presenting it.
+const FRAME_MS: f64 = 70.0;
+
+/// What drawing may take of it even where the window alone takes nearly all: so many ms, or such a share of the window's,
+/// by which little is won.
+const LEAST_DRAWING_MS: f64 = 12.0;
+const LEAST_SHARE: f64 = 0.25;
+
+/// Of how many frames the one counts in which the window took least: what it takes besides waiting for events.
+const REMEMBERED: usize = 8;
+
+/// Full pictures that take longer, in ms, are led up to by one between.
+const LONG_MS: f64 = 250.0;
 
 /// How long after the last change the picture counts as at rest.
 const REST: Duration = Duration::from_millis(150);
@@ -66,6 +78,10 @@ pub struct Quality {
     /// Whether quality gives way to the frame rate at all.
     pub adapts: bool,
     work: f64,
+    /// What the last frames took besides drawing the picture, in ms.
+    around_ms: VecDeque<f64>,
+    /// Whether the picture between the moving and the full one is drawn, or not called for.
+    is_led_up_to: bool,
     last_change: Option<Duration>,
 }
 
@@ -75,6 +91,8 @@ impl Default for Quality {
             adapts: true,
             // A guess that errs to the fast side.
             work: 0.1,
+            around_ms: VecDeque::new(),
+            is_led_up_to: true,
             last_change: None,
         }
     }
@@ -84,14 +102,21 @@ impl Quality {
     /// Something that the picture shows has changed, and may go on doing so.
     pub fn moved(&mut self, now: Duration) {
         self.last_change = Some(now);
+        self.is_led_up_to = false;
     }
 
-    /// What to draw with now.
-    pub fn level(&self, now: Duration) -> Level {
-        if self.adapts && self.until_rest(now).is_some() {
-            Level::of_work(self.work)
+    /// What to draw with now, and whether the picture is one on the way: of something that moves, or that leads up to the
+    /// full one.
+    pub fn level(&self, now: Duration) -> (Level, bool) {
+        let is_moving = self.until_rest(now).is_some();
+        if !self.adapts {
+            (Level::FULL, is_moving)
+        } else if is_moving {
+            (Level::of_work(self.work), true)
+        } else if !self.is_led_up_to && self.aim_ms() / self.work > LONG_MS {
+            (Level::of_work(self.work.sqrt()), true)
         } else {
-            Level::FULL
+            (Level::FULL, false)
         }
     }
 
@@ -101,13 +126,31 @@ impl Quality {
         REST.checked_sub(since).filter(|left| !left.is_zero())
     }
 
-    /// Takes notice of what a frame took, fetching and showing it included.
+    /// What drawing the picture may take, in ms.
+    fn aim_ms(&self) -> f64 {
+        let around = self.around_ms.iter().copied().reduce(f64::min);
+        let around = around.unwrap_or(FRAME_MS * 0.4);
+        (FRAME_MS - around)
+            .max(LEAST_DRAWING_MS)
+            .max(around * LEAST_SHARE)
+    }
+
+    /// Takes notice of what drawing a picture took, in ms.
     pub fn measured(&mut self, level: Level, ms: f64) {
+        self.is_led_up_to |= level.work() > self.work * 1.5;
         if ms > 0.0 {
-            // Frames have a fixed cost too, so this overshoots: half the way is taken up, all of it down.
-            let aim = level.work() * TARGET_MS / ms;
+            // Pictures have a fixed cost too, so this overshoots: half the way is taken up, all of it down.
+            let aim = level.work() * self.aim_ms() / ms;
             let change = (aim / self.work).clamp(0.2, 1.5);
             self.work = (self.work * change).clamp(Level::of_work(0.0).work(), 1.0);
+        }
+    }
+
+    /// Takes notice of what a frame took besides drawing the picture, in ms.
+    pub fn measured_around(&mut self, ms: f64) {
+        self.around_ms.push_back(ms);
+        if self.around_ms.len() > REMEMBERED {
+            self.around_ms.pop_front();
         }
     }
 }
@@ -120,45 +163,56 @@ mod tests {
         Duration::from_millis(n)
     }
 
-    /// Drives a renderer whose full frame takes so long, fixed costs apart.
-    fn settle(full_ms: f64, fixed_ms: f64) -> (Level, f64) {
+    /// Drives a renderer whose full picture takes so long, and the window as long in every frame; tells the level that it
+    /// comes to and what a frame takes.
+    fn settle(full_ms: f64, window_ms: f64) -> (Level, f64) {
         let mut quality = Quality::default();
         let mut took = 0.0;
         for i in 0..40 {
             quality.moved(ms(i * 50));
-            let level = quality.level(ms(i * 50));
-            took = fixed_ms + full_ms * level.work();
+            let (level, is_moving) = quality.level(ms(i * 50));
+            assert!(is_moving);
+            took = full_ms * level.work();
             quality.measured(level, took);
+            quality.measured_around(window_ms + if i % 3 == 0 { 0.0 } else { 16.0 });
         }
-        (quality.level(ms(39 * 50)), took)
+        (quality.level(ms(39 * 50)).0, window_ms + took)
     }
 
     #[test]
     fn the_frame_time_is_held_as_far_as_coarseness_goes() {
-        for full_ms in [200.0, 500.0, 2000.0] {
-            let (level, took) = settle(full_ms, 10.0);
+        for (full_ms, window_ms) in [(200.0, 10.0), (500.0, 40.0), (2000.0, 30.0)] {
+            let (level, took) = settle(full_ms, window_ms);
             assert!(level.scale < 1.0 && level.step > 1.0);
-            assert!(took < TARGET_MS * 1.2, "{full_ms}: {took}");
+            assert!(took < FRAME_MS * 1.2, "{full_ms}: {took}");
         }
         // Where nothing need be saved, nothing is.
         let (level, _) = settle(20.0, 5.0);
         assert_eq!(level, Level::FULL);
-        // And there is an end to it.
+        // And there is an end to it, as there is where the window alone takes too long.
         let (level, _) = settle(1e6, 0.0);
         assert_eq!((level.scale, level.step), (LEAST_SCALE, MOST_STEP));
+        let (_, took) = settle(500.0, 300.0);
+        assert!((took - 300.0 * (1.0 + LEAST_SHARE)).abs() < 8.0, "{took}");
     }
 
     #[test]
     fn the_picture_at_rest_is_the_full_one() {
         let mut quality = Quality::default();
-        assert_eq!(quality.level(ms(0)), Level::FULL);
+        assert_eq!(quality.level(ms(0)), (Level::FULL, false));
         quality.moved(ms(1000));
-        assert_ne!(quality.level(ms(1100)), Level::FULL);
+        let (moving, is_moving) = quality.level(ms(1100));
+        assert!(moving != Level::FULL && is_moving);
         assert!(quality.until_rest(ms(1100)).is_some());
         assert_eq!(quality.until_rest(ms(1150)), None);
-        assert_eq!(quality.level(ms(1150)), Level::FULL);
+        // A full picture would take long: one between comes first, and only once.
+        let (between, is_moving) = quality.level(ms(1150));
+        assert!(between.work() > moving.work() && between.work() < 1.0 && is_moving);
+        quality.measured(between, 100.0);
+        assert_eq!(quality.level(ms(1200)), (Level::FULL, false));
         quality.adapts = false;
         quality.moved(ms(2000));
-        assert_eq!(quality.level(ms(2001)), Level::FULL);
+        assert_eq!(quality.level(ms(2001)), (Level::FULL, true));
+        assert_eq!(quality.level(ms(2200)), (Level::FULL, false));
     }
 }

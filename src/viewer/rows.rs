@@ -1,6 +1,28 @@
 //! Rows of a panel: a name, a control, and what the control does as its tooltip.
 
-use eframe::egui::{ComboBox, DragValue, Response, Ui};
+use eframe::egui::{
+    CollapsingHeader, Color32, ComboBox, DragValue, Frame, Panel, Response, RichText, Ui,
+};
+
+/// A panel that paints no ground of its own: the window is cleared to it, which costs a software adapter nothing.
+pub(super) fn bare(panel: Panel, ui: &Ui) -> Panel {
+    panel.frame(Frame::side_top_panel(ui.style()).fill(Color32::TRANSPARENT))
+}
+
+/// A part of a panel that can be folded away.
+pub(super) fn section(ui: &mut Ui, title: &str, tip: &str, open: bool, add: impl FnOnce(&mut Ui)) {
+    CollapsingHeader::new(RichText::new(title).strong())
+        .id_salt(title)
+        .default_open(open)
+        .show(ui, add)
+        .header_response
+        .on_hover_text(tip);
+}
+
+/// A tooltip, whether or not the control can be used just now.
+pub(super) fn tip(response: Response, tip: &str) -> Response {
+    response.on_hover_text(tip).on_disabled_hover_text(tip)
+}
 
 /// A name and a control beside it.
 pub(super) fn row(ui: &mut Ui, name: &str, tip: &str, add: impl FnOnce(&mut Ui) -> Response) {

@@ -9,18 +9,20 @@ use crate::camera::Projection;
 use crate::error::{Error, Result};
 use crate::mode::Mode;
 use crate::render::{BackendChoice, MethodChoice};
-use crate::sample::Sampler;
+use crate::sample::{Classification, Gradients, Sampler};
 use crate::skip::{Cuts, HalfCut};
 use crate::transfer::TransferFunction;
+use crate::volume::Source;
 
+use super::command::slices_flag;
 use super::look::{Look, Way};
 use super::view::View;
 
 /// One volume, and how it is looked at.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kept {
-    /// The volume, as the command names it.
-    pub volume: String,
+    /// Where the volume is from.
+    pub source: Source,
     /// What is shown.
     pub look: Look,
     /// How.
@@ -45,11 +47,12 @@ const VERSION: u32 = 1;
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Entry {
-    volume: String,
+    source: Source,
     transfer: String,
     clip_box: [String; 3],
     clip_planes: Vec<[f64; 4]>,
     background: Option<[u8; 3]>,
+    depth_cue: f64,
     eye: [f64; 3],
     target: [f64; 3],
     up: [f64; 3],
@@ -68,6 +71,9 @@ struct WayEntry {
     cut: String,
     cuts: String,
     sampler: Option<String>,
+    classification: String,
+    gradients: String,
+    slices: Option<String>,
     step: f64,
     ert: f32,
     backend: String,
@@ -122,7 +128,7 @@ fn entry(kept: &Kept) -> Entry {
         Projection::Orthographic { height } => (None, Some(height)),
     };
     Entry {
-        volume: kept.volume.clone(),
+        source: kept.source.clone(),
         transfer: kept.look.transfer.to_toml(),
         clip_box: kept
             .look
@@ -130,6 +136,7 @@ fn entry(kept: &Kept) -> Entry {
             .map(|[from, to]| format!("{}:{}", end(from), end(to))),
         clip_planes: kept.look.clip_planes.clone(),
         background: kept.look.background,
+        depth_cue: kept.look.depth_cue,
         eye: kept.view.eye.to_array(),
         target: kept.view.target.to_array(),
         up: kept.view.up.to_array(),
@@ -148,6 +155,9 @@ fn way_entry(way: &Way) -> WayEntry {
         cut: way.cuts.half.name().to_owned(),
         cuts: way.cuts.slabs.to_string(),
         sampler: way.sampler.map(|s| s.name().to_owned()),
+        classification: way.classification.name().to_owned(),
+        gradients: way.gradients.name().to_owned(),
+        slices: way.slices.map(slices_flag),
         step: way.step_voxels,
         ert: way.ert,
         backend: way.backend.name().to_owned(),
@@ -173,13 +183,14 @@ fn kept(entry: Entry) -> Result<Kept> {
         *range = clip_range(text)?;
     }
     Ok(Kept {
-        volume: entry.volume,
+        source: entry.source,
         look: Look {
             transfer: TransferFunction::from_toml(&entry.transfer)?,
             mode: entry.mode,
             clip_box,
             clip_planes: entry.clip_planes,
             background: entry.background,
+            depth_cue: entry.depth_cue,
         },
         way: way(&entry.way)?,
         other: way(&entry.other)?,
@@ -197,53 +208,55 @@ fn clip_range(text: &str) -> Result<[Option<f64>; 2]> {
         .ok_or_else(|| Error::setting("clip_box", "expected FROM:TO per axis"))
 }
 
+/// One of named choices.
+fn named<T: Copy>(field: &str, given: &str, all: &[T], name: fn(T) -> &'static str) -> Result<T> {
+    let found = all.iter().copied().find(|&one| name(one) == given);
+    found.ok_or_else(|| unknown(field, given))
+}
+
+fn unknown(field: &str, given: &str) -> Error {
+    Error::setting(field, format!("\"{}\" is not known", given.escape_debug()))
+}
+
 fn way(entry: &WayEntry) -> Result<Way> {
-    let unknown = |field: &str, given: &str| {
-        Error::setting(field, format!("\"{}\" is not known", given.escape_debug()))
-    };
-    let named =
-        |field: &str, given: &str, found: Option<Way>| found.ok_or_else(|| unknown(field, given));
-    let mut way = Way {
-        block: entry.block,
-        step_voxels: entry.step,
-        ert: entry.ert,
-        ..Way::default()
-    };
-    if !crate::octree::BLOCKS.contains(&way.block) {
+    if !crate::octree::BLOCKS.contains(&entry.block) {
         return Err(unknown("block", &entry.block.to_string()));
     }
     let method = MethodChoice::from_name(&entry.method);
-    way = named(
-        "method",
-        &entry.method,
-        method.map(|method| Way { method, ..way }),
-    )?;
-    let half = HalfCut::ALL.iter().find(|h| h.name() == entry.cut);
-    let slabs = entry
-        .cuts
-        .parse()
-        .map_err(|e: String| Error::setting("cuts", e))?;
-    way = named(
-        "cut",
-        &entry.cut,
-        half.map(|&half| Way {
-            cuts: Cuts { half, slabs },
-            ..way
-        }),
-    )?;
-    let backend = BackendChoice::ALL
-        .iter()
-        .find(|b| b.name() == entry.backend);
-    way = named(
-        "backend",
-        &entry.backend,
-        backend.map(|&backend| Way { backend, ..way }),
-    )?;
-    if let Some(name) = &entry.sampler {
-        let sampler = Sampler::ALL.iter().find(|s| s.name() == name).copied();
-        way.sampler = Some(sampler.ok_or_else(|| unknown("sampler", name))?);
-    }
-    Ok(way)
+    let slabs = entry.cuts.parse();
+    let sampler = entry.sampler.as_ref();
+    Ok(Way {
+        method: method.ok_or_else(|| unknown("method", &entry.method))?,
+        block: entry.block,
+        cuts: Cuts {
+            half: named("cut", &entry.cut, HalfCut::ALL, HalfCut::name)?,
+            slabs: slabs.map_err(|e: String| Error::setting("cuts", e))?,
+        },
+        sampler: sampler
+            .map(|name| named("sampler", name, Sampler::ALL, Sampler::name))
+            .transpose()?,
+        classification: named(
+            "classification",
+            &entry.classification,
+            Classification::ALL,
+            Classification::name,
+        )?,
+        gradients: named(
+            "gradients",
+            &entry.gradients,
+            Gradients::ALL,
+            Gradients::name,
+        )?,
+        slices: entry.slices.as_ref().map(|s| s.parse()).transpose()?,
+        step_voxels: entry.step,
+        ert: entry.ert,
+        backend: named(
+            "backend",
+            &entry.backend,
+            BackendChoice::ALL,
+            BackendChoice::name,
+        )?,
+    })
 }
 
 /// The most files that are remembered.
@@ -253,14 +266,18 @@ const MOST_RECENT: usize = 12;
 #[derive(Debug, Clone, Default)]
 pub struct Recent {
     file: Option<PathBuf>,
-    /// As the command names them.
-    pub volumes: Vec<String>,
+    /// With the flags that they were read by.
+    pub volumes: Vec<Source>,
 }
 
 impl Recent {
     /// Those of the user.
     pub fn load() -> Self {
-        let file = crate::render::cache_file("recent.json");
+        Self::kept_in(crate::render::cache_file("recent.json"))
+    }
+
+    /// Those that a file keeps.
+    fn kept_in(file: Option<PathBuf>) -> Self {
         let text = file.as_deref().map(std::fs::read_to_string);
         let text = text.and_then(std::result::Result::ok).unwrap_or_default();
         Self {
@@ -270,9 +287,9 @@ impl Recent {
     }
 
     /// Puts a volume first, and remembers it where that is possible.
-    pub fn add(&mut self, volume: &str) {
-        self.volumes.retain(|v| v != volume);
-        self.volumes.insert(0, volume.to_owned());
+    pub fn add(&mut self, source: &Source) {
+        self.volumes.retain(|s| s != source);
+        self.volumes.insert(0, source.clone());
         self.volumes.truncate(MOST_RECENT);
         if let Some(file) = &self.file {
             let text = serde_json::json!(self.volumes).to_string();
@@ -291,6 +308,7 @@ impl Recent {
 mod tests {
     use super::*;
     use crate::mode::MODES;
+    use crate::render::SliceCount;
     use crate::volume::{Statistics, phantom};
 
     fn some(row: usize) -> Kept {
@@ -301,15 +319,22 @@ mod tests {
         look.clip_box[1] = [Some(1.5), None];
         look.clip_planes = vec![[1.0, 0.0, -0.1, 2.0]];
         look.background = Some([1, 2, 255]);
+        look.depth_cue = 0.25;
         let mut view = View::home(volume.extent(), volume.voxel_size());
         if row == 3 {
             view.toggle_parallel(volume.voxel_size());
         }
         Kept {
-            volume: "phantom:pot:12".to_owned(),
+            source: Source {
+                pad_cube: row == 1,
+                ..Source::new("phantom:pot:12")
+            },
             look,
             way: Way {
                 sampler: Some(Sampler::Nearest),
+                classification: Classification::PreIntegrated,
+                gradients: Gradients::Half,
+                slices: (row == 2).then_some(SliceCount::Exactly(77)),
                 step_voxels: 0.3,
                 ..Way::default()
             },
@@ -325,6 +350,19 @@ mod tests {
     }
 
     #[test]
+    fn volumes_opened_last_are_remembered_once_and_the_last_comes_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = Some(folder.path().join("cache/recent.json"));
+        let mut recent = Recent::kept_in(file.clone());
+        let raw = some(1).source;
+        for source in [&Source::new("a.nrrd"), &raw, &Source::new("a.nrrd")] {
+            recent.add(source);
+        }
+        assert_eq!(recent.volumes, [Source::new("a.nrrd"), raw]);
+        assert_eq!(Recent::kept_in(file).volumes, recent.volumes);
+    }
+
+    #[test]
     fn what_is_wrong_is_named_in_one_line() {
         let good = to_toml(&[some(0)]).unwrap();
         for (from, to, named) in [
@@ -337,6 +375,7 @@ mod tests {
             ("block = 8", "block = 9", "block"),
             ("up = [", "op = [", "line"),
             ("backend = \"auto\"", "backend = \"abacus\"", "backend"),
+            ("gradients = \"half\"", "gradients = \"third\"", "gradients"),
         ] {
             assert!(good.contains(from), "{from} in {good}");
             let error = from_toml(&good.replace(from, to)).unwrap_err();

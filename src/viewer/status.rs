@@ -1,23 +1,28 @@
 //! The bars at the top and the bottom, and the live numbers.
 
 use eframe::egui::{
-    CollapsingHeader, Color32, Grid, MenuBar, Panel, ProgressBar, Rect, RichText, Sense, Stroke,
-    Ui, pos2, vec2,
+    Color32, Grid, MenuBar, Panel, ProgressBar, Rect, RichText, Sense, Stroke, Ui, pos2, vec2,
 };
 
 use crate::render::{Choice, MethodChoice};
 
 use super::actions::Action;
 use super::app::{App, Compare};
-use super::dialogs::{Dialog, PathFor};
-use super::worker::Stage;
+use super::dialogs::Dialog;
+use super::path_dialog::PathFor;
+use super::reply::Stage;
+use super::rows::{bare, section};
 
 /// Menus.
 pub(super) fn top(app: &mut App, ui: &mut Ui) {
-    Panel::top("menu").show(ui, |ui| {
+    bare(Panel::top("menu"), ui).show(ui, |ui| {
         MenuBar::new().ui(ui, |ui| {
-            ui.menu_button("File", |ui| file_menu(app, ui));
-            ui.menu_button("View", |ui| view_menu(app, ui));
+            ui.menu_button("File", |ui| file_menu(app, ui))
+                .response
+                .on_hover_text("open, save, copy");
+            ui.menu_button("View", |ui| view_menu(app, ui))
+                .response
+                .on_hover_text("where the picture is taken from, and the theme");
             item(
                 app,
                 ui,
@@ -67,13 +72,16 @@ fn file_menu(app: &mut App, ui: &mut Ui) {
         Action::Open,
     );
     ui.menu_button("Open recent", |ui| {
-        for volume in app.recent.volumes.clone() {
-            if ui.button(&volume).on_hover_text("open it again").clicked() {
-                app.open(&volume);
+        for source in app.recent.volumes.clone() {
+            let name = ui.button(&source.volume);
+            if name.on_hover_text("open it again").clicked() {
+                app.open(source);
                 ui.close();
             }
         }
-    });
+    })
+    .response
+    .on_hover_text("volumes that were opened last");
     ui.separator();
     item(
         app,
@@ -154,13 +162,14 @@ fn view_menu(app: &mut App, ui: &mut Ui) {
 
 /// Progress, quality and the verdict.
 pub(super) fn bottom(app: &mut App, ui: &mut Ui) {
-    Panel::bottom("status").exact_size(26.0).show(ui, |ui| {
+    bare(Panel::bottom("status").exact_size(26.0), ui).show(ui, |ui| {
         ui.horizontal_centered(|ui| {
             let mut cancelled = None;
             for (i, job) in app.jobs.iter().enumerate() {
                 let fraction = job.control.fraction();
-                let bar = ProgressBar::new(fraction.unwrap_or(0.15)).desired_width(190.0).text(&job.label);
-                ui.add(bar.animate(fraction.is_none())).on_hover_text(&job.label);
+                // Not animated where the job does not tell: that would redraw the window for nothing.
+                let bar = ProgressBar::new(fraction.unwrap_or(0.0)).desired_width(190.0).text(&job.label);
+                ui.add(bar).on_hover_text(&job.label);
                 if ui.small_button("stop").on_hover_text("stop this").clicked() {
                     cancelled = Some(i);
                 }
@@ -193,13 +202,11 @@ fn verdict(app: &mut App, ui: &mut Ui) {
     let better = verdict.better();
     ui.separator();
     ui.label(RichText::new(verdict.words()).strong())
-        .on_hover_text(
-            "frame times of this picture, smaller, by box, by this method and by what auto chooses",
-        );
+        .on_hover_text(verdict.details());
     if let Some(choice) = better
         && ui
             .small_button("use it")
-            .on_hover_text("change to it")
+            .on_hover_text(format!("draw by {} from now on", choice.words()))
             .clicked()
     {
         app.take(choice);
@@ -223,10 +230,12 @@ pub(super) fn numbers(app: &App, ui: &mut Ui) {
         return;
     };
     let drawn = &frame.drawn[0];
-    CollapsingHeader::new(RichText::new("Numbers").strong())
-        .id_salt("Numbers")
-        .default_open(true)
-        .show(ui, |ui| {
+    section(
+        ui,
+        "Numbers",
+        "what the picture on the screen took",
+        true,
+        |ui| {
             graph(app, ui);
             Grid::new("numbers")
                 .num_columns(2)
@@ -241,7 +250,14 @@ pub(super) fn numbers(app: &App, ui: &mut Ui) {
                     let times = drawn.times;
                     let choice = Choice::of(&drawn.settings);
                     let method = choice.skip.method();
-                    line("skipped by", method.name.to_owned(), method.summary);
+                    match drawn.settings.slices {
+                        Some(count) => line(
+                            "drawn as",
+                            format!("slices, {count}"),
+                            "polygons across the view",
+                        ),
+                        None => line("skipped by", method.name.to_owned(), method.summary),
+                    }
                     if choice.skip.reads_blocks() {
                         let cut = choice
                             .cut_words()
@@ -306,7 +322,8 @@ pub(super) fn numbers(app: &App, ui: &mut Ui) {
                         );
                     }
                 });
-        });
+        },
+    );
 }
 
 fn bytes(bytes: u64) -> String {

@@ -9,6 +9,7 @@ use crate::render::Choice;
 use crate::skip::{METHODS, Skip};
 
 use super::app::App;
+use super::rows;
 
 /// How near a point a click counts as on it.
 const REACH: f32 = 14.0;
@@ -47,10 +48,7 @@ pub(super) fn show(app: &mut App, ui: &Ui) -> bool {
                 let button = eframe::egui::Button::new("time again");
                 let tip =
                     "draw the picture on the screen by every lossless method in every block size";
-                again = ui
-                    .add_enabled(!is_running, button)
-                    .on_hover_text(tip)
-                    .clicked();
+                again = rows::tip(ui.add_enabled(!is_running, button), tip).clicked();
                 ui.weak(if is_running {
                     "timing…"
                 } else {

@@ -10,10 +10,12 @@ use crate::transfer::{ControlPoint, PRESETS, TransferFunction};
 use super::actions::Action;
 use super::app::App;
 use super::command::srgb;
-use super::dialogs::{Dialog, PathFor};
+use super::dialogs::Dialog;
 use super::document::Document;
 use super::editor::{Axes, add_point, move_point, remove_point, with_points};
 use super::look::linear;
+use super::path_dialog::PathFor;
+use super::rows;
 
 /// How near a point the pointer takes hold of it, in points of the screen.
 const REACH: f32 = 11.0;
@@ -23,10 +25,11 @@ pub fn bottom(app: &mut App, ui: &mut Ui) {
     if app.document().is_none() {
         return;
     }
-    Panel::bottom("transfer").exact_size(176.0).show(ui, |ui| {
+    let panel = rows::bare(Panel::bottom("transfer").exact_size(176.0), ui);
+    panel.show(ui, |ui| {
         // Tools that find no room must not make the editor wider than the window.
         let width = ui.available_width();
-        ui.horizontal(|ui| tools(app, ui));
+        ui.horizontal_wrapped(|ui| tools(app, ui));
         if let Some(document) = app.document_mut() {
             editor(document, ui, width);
         }
@@ -39,7 +42,7 @@ fn tools(app: &mut App, ui: &mut Ui) {
     });
     let mut button = |enabled: bool, name: &str, tip: &str| {
         let button = ui.add_enabled(enabled, eframe::egui::Button::new(name));
-        button.on_hover_text(tip).clicked()
+        rows::tip(button, tip).clicked()
     };
     let undo = button(can_undo, "undo", "undo the last edit (ctrl+Z)");
     let redo = button(can_redo, "redo", "redo it (ctrl+shift+Z)");
@@ -59,17 +62,9 @@ fn tools(app: &mut App, ui: &mut Ui) {
         return;
     };
     ui.separator();
-    for preset in PRESETS {
-        if ui
-            .button(preset.name)
-            .on_hover_text(preset.summary)
-            .clicked()
-            && let Ok(transfer) = preset.transfer_function(&document.statistics)
-        {
-            document.look.transfer = transfer;
-            document.selected = None;
-        }
-    }
+    ui.menu_button("presets", |ui| presets(document, ui))
+        .response
+        .on_hover_text("transfer functions that look at the histogram");
     ui.separator();
     ui.checkbox(&mut document.axes.near_zero, "near zero")
         .on_hover_text("draw small opacities apart: height is the opacity's fourth root");
@@ -81,6 +76,19 @@ fn tools(app: &mut App, ui: &mut Ui) {
         document.axes.values = Axes::whole(&document.statistics).values;
     }
     selected(document, ui);
+}
+
+fn presets(document: &mut Document, ui: &mut Ui) {
+    for preset in PRESETS {
+        let button = ui.button(preset.name).on_hover_text(preset.summary);
+        if button.clicked()
+            && let Ok(transfer) = preset.transfer_function(&document.statistics)
+        {
+            document.look.transfer = transfer;
+            document.selected = None;
+            ui.close();
+        }
+    }
 }
 
 /// The selected point's numbers.
@@ -221,7 +229,11 @@ fn edit(document: &mut Document, ui: &Ui, response: &Response, place: Place) {
     } else {
         document
             .selected
-            .filter(|_| response.dragged_by(PointerButton::Primary))
+            // The last way that a quick pointer makes may come with its letting go.
+            .filter(|_| {
+                let primary = PointerButton::Primary;
+                response.dragged_by(primary) || response.drag_stopped_by(primary)
+            })
             .map(|i| move_point(transfer, i, value, opacity))
     };
     if let Some(points) = edited {

@@ -32,6 +32,14 @@ impl Verdict {
         (now > best.1 * WORTH_A_WORD).then_some(best.0)
     }
 
+    /// What was measured, a line for each.
+    pub fn details(&self) -> String {
+        let mut lines = vec!["least frame time of this picture, smaller:".to_owned()];
+        let rows = self.rows.iter();
+        lines.extend(rows.map(|(choice, ms)| format!("{}: {ms:.1} ms", choice.words())));
+        lines.join("\n")
+    }
+
     /// One line.
     pub fn words(&self) -> String {
         let (Some(base), Some(now)) = (self.box_ms(), self.ms(&self.current)) else {
@@ -86,6 +94,11 @@ mod tests {
             "{words}"
         );
         assert!(words.ends_with("would be 5.0x box"), "{words}");
+        assert!(
+            verdict
+                .details()
+                .contains("half-split, blocks of 8, cut middle: 10.0 ms")
+        );
         let content = Verdict {
             current: beam,
             ..verdict.clone()

@@ -1,19 +1,26 @@
 //! The window of the system.
 
+use std::cell::RefCell;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
+use std::rc::Rc;
 
 use eframe::egui::{self, ThemePreference, ViewportBuilder};
+use eframe::egui_wgpu::WgpuConfiguration;
 
 use crate::error::{Error, Result};
+use crate::gpu::Gpu;
+use crate::volume::Source;
 
-use super::app::App;
+use super::app::{App, Carried};
+use super::direct::WindowGpu;
 use super::session::{self, Kept, Recent};
 
 /// What the window begins with.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Volumes to open, as the command names them.
-    pub volumes: Vec<String>,
+    /// Volumes to open.
+    pub volumes: Vec<Source>,
     /// A session to restore.
     pub session: Option<PathBuf>,
     /// A light theme in place of a dark one.
@@ -22,18 +29,70 @@ pub struct Options {
     pub scale: f32,
 }
 
-impl eframe::App for App {
+/// The window while it is open, and what of it outlives its device.
+struct Window {
+    app: App,
+    gpu: Gpu,
+    survivor: Survivor,
+}
+
+/// Where a window whose device was lost leaves what was open in it.
+type Survivor = Rc<RefCell<Option<Carried>>>;
+
+impl eframe::App for Window {
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
-        self.show(ui);
+        if self.gpu.is_lost() {
+            ui.send_viewport_cmd(egui::ViewportCommand::Close);
+        } else {
+            self.app.show(ui);
+        }
     }
 }
 
-/// Opens the window, and returns when it is closed.
+impl Drop for Window {
+    fn drop(&mut self) {
+        // However it ends: painting on a lost device may panic before the window can be closed.
+        if self.gpu.is_lost() {
+            *self.survivor.borrow_mut() = Some(self.app.carry_on());
+        }
+    }
+}
+
+/// Opens the window, and returns when it is closed. A window whose device is lost is opened anew, with all that was open.
 ///
 /// # Errors
 /// [`Error::Io`], [`Error::File`] where the session cannot be read; [`Error::Setting`] where no window can be opened.
-pub fn run(options: Options) -> Result<()> {
-    let kept = options.session.as_deref().map(session::read).transpose()?;
+pub fn run(options: &Options) -> Result<()> {
+    let mut kept = options.session.as_deref().map(session::read).transpose()?;
+    let survivor = Survivor::default();
+    let mut carried: Option<Carried> = None;
+    loop {
+        let opened = Opened {
+            kept: kept.take().unwrap_or_default(),
+            carried: carried.take(),
+        };
+        let (options, left) = (options.clone(), Rc::clone(&survivor));
+        let begin = move |creation: &eframe::CreationContext<'_>| {
+            let window = begin(creation, &options, opened, left)?;
+            Ok(Box::new(window) as Box<dyn eframe::App>)
+        };
+        let shown = catch_unwind(AssertUnwindSafe(|| show(begin)));
+        carried = survivor.borrow_mut().take();
+        match (shown, &carried) {
+            (_, Some(_)) => tracing::warn!("the window's device was lost: opening the window anew"),
+            (Ok(shown), None) => return shown,
+            (Err(panic), None) => resume_unwind(panic),
+        }
+    }
+}
+
+type Begun = std::result::Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>>;
+
+fn show(begin: impl FnOnce(&eframe::CreationContext<'_>) -> Begun + 'static) -> Result<()> {
     let native = eframe::NativeOptions {
         viewport: ViewportBuilder::default()
             .with_title("hollowcast")
@@ -41,10 +100,13 @@ pub fn run(options: Options) -> Result<()> {
             .with_inner_size([1280.0, 720.0])
             .with_min_inner_size([800.0, 500.0])
             .with_drag_and_drop(true),
+        // Pictures are in eight bits before they are painted: noise would only make them others, and take time.
+        dithering: false,
+        wgpu_options: WgpuConfiguration {
+            wgpu_setup: WindowGpu::setup(),
+            ..WgpuConfiguration::default()
+        },
         ..eframe::NativeOptions::default()
-    };
-    let begin = move |creation: &eframe::CreationContext<'_>| {
-        begin(&creation.egui_ctx, &options, kept.unwrap_or_default())
     };
     eframe::run_native("hollowcast", native, Box::new(begin)).map_err(|error| {
         let error = one_line(&error.to_string());
@@ -54,23 +116,39 @@ pub fn run(options: Options) -> Result<()> {
     })
 }
 
-fn begin(
-    context: &egui::Context,
-    options: &Options,
+/// What a window begins with besides its options.
+struct Opened {
     kept: Vec<Kept>,
-) -> Result<Box<dyn eframe::App>, Box<dyn std::error::Error + Send + Sync>> {
+    carried: Option<Carried>,
+}
+
+fn begin(
+    creation: &eframe::CreationContext<'_>,
+    options: &Options,
+    opened: Opened,
+    survivor: Survivor,
+) -> std::result::Result<Window, Box<dyn std::error::Error + Send + Sync>> {
+    let context = &creation.egui_ctx;
     context.set_theme(if options.light {
         ThemePreference::Light
     } else {
         ThemePreference::Dark
     });
     context.set_zoom_factor(options.scale);
-    let mut app = App::new(context, Recent::load())?;
-    app.restore(kept);
-    for volume in &options.volumes {
-        app.open(volume);
+    let state = creation.wgpu_render_state.as_ref();
+    let window = WindowGpu::new(state.ok_or("the window has no device")?);
+    let gpu = window.gpu.clone();
+    let direct = (!gpu.is_software()).then_some(window);
+    let mut app = App::new(context, Recent::load(), direct)?;
+    if let Some(carried) = opened.carried {
+        app.go_on_with(carried);
+    } else {
+        app.restore(opened.kept);
+        for source in &options.volumes {
+            app.open(source.clone());
+        }
     }
-    Ok(Box::new(app))
+    Ok(Window { app, gpu, survivor })
 }
 
 fn one_line(text: &str) -> String {

@@ -5,149 +5,30 @@
 //! long as nobody asks for something else.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-use eframe::egui::{ColorImage, Context};
+use eframe::egui::Context;
 
 use crate::error::{Error, Result};
+use crate::gpu::Gpu;
 use crate::measure::metrics::metrics;
-use crate::mode::Mode;
-use crate::render::{BackendInfo, Choice, FrameTimes, Preparation, Renderer, Settings};
-use crate::sample::Sampler;
-use crate::scene::{Counters, Picture, Progress};
+use crate::render::{Choice, FrameTimes, Renderer, Settings};
+use crate::scene::{Picture, Progress};
 use crate::skip::Skip;
-use crate::transfer::TransferFunction;
-use crate::volume::Volume;
 
+use super::direct::Canvas;
 use super::image;
 use super::look::Way;
-use super::quality::Level;
-use super::renderers::{Renderers, chosen};
+use super::renderers::{Renderers, chosen, of_panic};
+use super::reply::{Compared, Details, Drawn, Frame, GAIN, Pixels, Reply, Request, Stage};
 use super::verdict::Verdict;
 
 /// The longest edge of pictures that methods are weighed on, in pixels.
 const WEIGHED_EDGE: u32 = 320;
-
-/// How much larger differences are shown.
-pub const GAIN: f32 = 16.0;
-
-/// What to draw.
-#[derive(Debug, Clone)]
-pub struct Request {
-    /// Told with every reply.
-    pub ticket: u64,
-    /// The volume.
-    pub volume: Arc<Volume>,
-    /// Its transfer function.
-    pub transfer: TransferFunction,
-    /// One picture, or two that are compared.
-    pub pictures: Vec<(Way, Settings)>,
-    /// Behind the pictures, linear.
-    pub backdrop: [f32; 3],
-    /// What quality the settings are of.
-    pub level: Level,
-    /// Whether the difference of two pictures is to be shown.
-    pub difference: bool,
-}
-
-/// What comes back.
-#[derive(Debug)]
-pub enum Reply {
-    /// The pictures of a request.
-    Frame(Box<Frame>),
-    /// What the first picture of a request took.
-    Details(Box<Details>),
-    /// How its method compares.
-    Weighed(u64, Verdict),
-    /// Nothing could be drawn.
-    Failed(Error),
-}
-
-/// The pictures of a request.
-#[derive(Debug)]
-pub struct Frame {
-    /// The request's.
-    pub ticket: u64,
-    /// The request's.
-    pub level: Level,
-    /// The request's.
-    pub backdrop: [f32; 3],
-    /// As many as were asked for.
-    pub drawn: Vec<Drawn>,
-    /// How two of one size differ.
-    pub compared: Option<Compared>,
-    /// From taking the request to sending the reply, in ms.
-    pub whole_ms: f64,
-}
-
-/// A picture, and how it was made.
-#[derive(Debug)]
-pub struct Drawn {
-    /// What was drawn.
-    pub picture: Picture,
-    /// For the screen.
-    pub image: ColorImage,
-    /// As drawn: with the method that auto chose.
-    pub settings: Settings,
-    /// As drawn.
-    pub sampler: Sampler,
-    /// What drew it.
-    pub backend: BackendInfo,
-    /// What the frame took.
-    pub times: FrameTimes,
-    /// What fetching the picture took, in ms.
-    pub read_back_ms: f64,
-    /// What structures took.
-    pub preparation: Preparation,
-}
-
-/// How two pictures differ.
-#[derive(Debug)]
-pub struct Compared {
-    /// Pixels with any bit different.
-    pub pixels: u64,
-    /// Largest difference of a channel.
-    pub max_abs: f64,
-    /// Peak signal-to-noise ratio in dB.
-    pub psnr_db: f64,
-    /// The difference [`GAIN`] times, where it was asked for.
-    pub image: Option<ColorImage>,
-}
-
-/// What a picture took of samples.
-#[derive(Debug)]
-pub struct Details {
-    /// The request's.
-    pub ticket: u64,
-    /// As counted.
-    pub settings: Settings,
-    /// Sums over all pixels.
-    pub counters: Counters,
-    /// Samples per pixel, as heat up to `most`.
-    pub heat: ColorImage,
-    /// The most samples of a pixel.
-    pub most: u32,
-    /// Distance of the first contributing sample from where the ray starts, per pixel, local units.
-    pub first_hit: Vec<f32>,
-}
-
-/// What the worker is at.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Stage {
-    /// Nothing.
-    Idle,
-    /// Opening a backend or building structures.
-    Building,
-    /// Drawing.
-    Drawing,
-    /// Counting samples.
-    Counting,
-    /// Trying other methods.
-    Weighing,
-}
 
 #[derive(Default)]
 struct Mailbox {
@@ -162,6 +43,8 @@ struct Mailbox {
 struct Shared {
     mailbox: Mutex<Mailbox>,
     wake: Condvar,
+    /// Whether the window waits for a reply and need not be woken.
+    is_awaited: AtomicBool,
 }
 
 impl Shared {
@@ -193,7 +76,7 @@ impl Worker {
     ///
     /// # Errors
     /// [`Error::Gpu`] where the system gives no thread.
-    pub fn start(replies: Sender<Reply>, context: Context) -> Result<Self> {
+    pub fn start(replies: Sender<Reply>, context: Context, window: Option<Gpu>) -> Result<Self> {
         let shared = Arc::<Shared>::default();
         let own = Arc::clone(&shared);
         let thread = std::thread::Builder::new()
@@ -202,9 +85,11 @@ impl Worker {
                 let send = |reply| {
                     // A window that is gone needs no picture.
                     let _ = replies.send(reply);
-                    context.request_repaint();
+                    if !own.is_awaited.load(Ordering::Relaxed) {
+                        context.request_repaint();
+                    }
                 };
-                run(&own, &send);
+                run(&own, window.as_ref(), &send);
             })
             .map_err(|e| Error::Gpu(format!("no thread to draw in: {e}")))?;
         Ok(Self {
@@ -231,6 +116,11 @@ impl Worker {
             (None, Some(_)) => Stage::Building,
             (None, None) => Stage::Idle,
         }
+    }
+
+    /// Says that the window waits for a reply, and so is not woken by one, or no longer does.
+    pub fn await_reply(&self, is_awaited: bool) {
+        self.shared.is_awaited.store(is_awaited, Ordering::Relaxed);
     }
 
     /// Stops what is drawn at rest, counted or weighed.
@@ -260,8 +150,11 @@ impl Drop for Worker {
     }
 }
 
-fn run(shared: &Shared, send: &impl Fn(Reply)) {
-    let mut renderers = Renderers::default();
+fn run(shared: &Shared, window: Option<&Gpu>, send: &impl Fn(Reply)) {
+    // A window's device that was lost is no longer drawn on, until there is another window.
+    let alive = || window.filter(|gpu| !gpu.is_lost());
+    let open = || Renderers::on(alive().cloned());
+    let mut renderers = open();
     loop {
         let request = {
             let mut mailbox = shared.lock();
@@ -280,18 +173,18 @@ fn run(shared: &Shared, send: &impl Fn(Reply)) {
                     .unwrap_or_else(PoisonError::into_inner);
             }
         };
-        let mut done = attempt(&request, &mut renderers, shared, send);
+        let mut done = attempt(&request, (&mut renderers, alive()), shared, send);
         if matches!(done, Err(Error::Gpu(_))) {
             // The device may be lost: it is opened anew, once.
             tracing::warn!("opening the backends anew");
-            renderers = Renderers::default();
-            done = attempt(&request, &mut renderers, shared, send);
+            renderers = open();
+            done = attempt(&request, (&mut renderers, alive()), shared, send);
         }
         match done {
             Ok(()) | Err(Error::Cancelled) => {}
             Err(error) => {
                 if matches!(error, Error::Gpu(_)) {
-                    renderers = Renderers::default();
+                    renderers = open();
                 }
                 send(Reply::Failed(error));
             }
@@ -302,31 +195,29 @@ fn run(shared: &Shared, send: &impl Fn(Reply)) {
 /// Serves a request; a panic (which is how a driver's failure may come) is an error like others.
 fn attempt(
     request: &Request,
-    renderers: &mut Renderers,
+    (renderers, window): (&mut Renderers, Option<&Gpu>),
     shared: &Shared,
     send: &impl Fn(Reply),
 ) -> Result<()> {
-    let work = AssertUnwindSafe(|| serve(request, renderers, shared, send));
-    catch_unwind(work).unwrap_or_else(|panic| {
-        let text = panic.downcast_ref::<String>().cloned();
-        let text = text.or_else(|| panic.downcast_ref::<&str>().map(|&s| s.to_owned()));
-        Err(Error::Gpu(text.unwrap_or_else(|| "failed".to_owned())))
-    })
+    let work = AssertUnwindSafe(|| serve(request, (renderers, window), shared, send));
+    catch_unwind(work).unwrap_or_else(|panic| Err(of_panic(panic.as_ref())))
 }
 
 /// Draws, then counts and weighs as long as nothing else is asked for.
 fn serve(
     request: &Request,
-    renderers: &mut Renderers,
+    (renderers, window): (&mut Renderers, Option<&Gpu>),
     shared: &Shared,
     send: &impl Fn(Reply),
 ) -> Result<()> {
-    let at_rest = request.level == Level::FULL;
+    let at_rest = !request.is_moving;
     let start = Instant::now();
     let mut drawn: Vec<Drawn> = Vec::new();
+    let mut pictures: Vec<Picture> = Vec::new();
+    let is_single = request.pictures.len() == 1;
     for (way, settings) in &request.pictures {
         shared.at(Stage::Building, None);
-        let renderer = take(renderers, way, &settings.mode, request)?;
+        let renderer = take(renderers, way, settings, request)?;
         let stoppable = at_rest.then(|| renderer.progress());
         let settings = chosen(renderer, way, settings)?;
         let preparation = renderer.prepare(&settings)?;
@@ -334,27 +225,34 @@ fn serve(
         if at_rest && shared.is_superseded() {
             return Ok(());
         }
-        let rendered = renderer.render(&settings)?;
+        // Two pictures are held against each other on the processor: they are fetched.
+        let gpu = window.filter(|_| is_single && renderer.info().backend == "gpu");
+        let Painted {
+            shown,
+            picture,
+            times,
+            read_back_ms,
+        } = paint(renderer, gpu, &settings, request.backdrop)?;
+        pictures.extend(picture);
         drawn.push(Drawn {
-            image: image::shown(&rendered.picture, request.backdrop),
+            shown,
             settings,
-            sampler: rendered.sampler,
+            sampler: renderer.sampler(&settings),
             backend: renderer.info().clone(),
-            times: rendered.times,
-            read_back_ms: rendered.read_back_ms,
+            times,
+            read_back_ms,
             preparation,
-            picture: rendered.picture,
         });
     }
-    let compared = match &drawn[..] {
-        [a, b] => Some(compare(&a.picture, &b.picture, request.difference)),
+    let compared = match &pictures[..] {
+        [a, b] => Some(compare(a, b, request.difference)),
         _ => None,
     };
     let settings = drawn[0].settings;
     send(Reply::Frame(Box::new(Frame {
         ticket: request.ticket,
         level: request.level,
-        backdrop: request.backdrop,
+        is_moving: request.is_moving,
         drawn,
         compared,
         whole_ms: start.elapsed().as_secs_f64() * 1e3,
@@ -363,7 +261,7 @@ fn serve(
         return Ok(());
     }
     let way = &request.pictures[0].0;
-    let renderer = take(renderers, way, &settings.mode, request)?;
+    let renderer = take(renderers, way, &settings, request)?;
     shared.at(Stage::Counting, Some(renderer.progress()));
     let counted = renderer.count(&settings)?;
     let most = counted.samples.iter().copied().max().unwrap_or(0);
@@ -382,14 +280,49 @@ fn serve(
     Ok(())
 }
 
+/// A picture that was made for the screen.
+struct Painted {
+    shown: Pixels,
+    /// Where it was fetched.
+    picture: Option<Picture>,
+    times: FrameTimes,
+    read_back_ms: f64,
+}
+
+/// Draws a picture: on the window's device, where `gpu` is it, straight into what the window shows.
+fn paint(
+    renderer: &mut Renderer,
+    gpu: Option<&Gpu>,
+    settings: &Settings,
+    backdrop: [f32; 3],
+) -> Result<Painted> {
+    if let Some(gpu) = gpu.filter(|_| settings.slices.is_none()) {
+        let (canvas, times) = Canvas::draw(gpu, renderer, settings, backdrop)?;
+        return Ok(Painted {
+            shown: Pixels::Canvas(canvas),
+            picture: None,
+            times,
+            read_back_ms: 0.0,
+        });
+    }
+    let rendered = renderer.render(settings)?;
+    Ok(Painted {
+        shown: Pixels::Image(image::shown(&rendered.picture, backdrop)),
+        times: rendered.times,
+        read_back_ms: rendered.read_back_ms,
+        picture: Some(rendered.picture),
+    })
+}
+
 /// The renderer for a picture, with the request's volume and transfer function.
 fn take<'a>(
     renderers: &'a mut Renderers,
     way: &Way,
-    mode: &Mode,
+    settings: &Settings,
     request: &Request,
 ) -> Result<&'a mut Renderer> {
-    renderers.for_picture(way, mode, &request.volume, &request.transfer)
+    let what = (way, settings, request.is_moving);
+    renderers.for_picture(what, &request.volume, &request.transfer)
 }
 
 fn compare(a: &Picture, b: &Picture, show: bool) -> Compared {
@@ -413,7 +346,7 @@ fn weigh(renderer: &mut Renderer, settings: &Settings, shared: &Shared) -> Resul
         .map(|n| ((f64::from(n) * scale) as u32).max(1));
     let small = Settings { size, ..*settings };
     let current = Choice::of(settings);
-    if settings.skip == Skip::Oracle || shared.is_superseded() {
+    if settings.skip == Skip::Oracle || settings.slices.is_some() || shared.is_superseded() {
         return Ok(None);
     }
     let base = Choice {

@@ -16,7 +16,9 @@ mod open;
 mod payload;
 pub mod phantom;
 mod raw;
+mod reading;
 mod scalar;
+mod source;
 pub mod statistics;
 mod store;
 
@@ -25,7 +27,9 @@ pub use header::Stored;
 pub use nrrd_write::{Packing, write_nrrd};
 pub use open::{load, open, read_stored};
 pub use raw::{RawLayout, parse_dims};
+pub use reading::Reading;
 pub use scalar::{Endian, Scalar};
+pub use source::{Crop, Source};
 pub use statistics::{Statistics, empty_share};
 pub use store::Store;
 

@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use memmap2::Mmap;
 use rayon::prelude::*;
 
+use super::reading::Watched;
 use super::scalar::{Element, Endian};
 use super::store::Store;
 use crate::error::{Error, Result};
@@ -78,10 +79,10 @@ impl Payload {
     }
 
     /// The file, standing at the first packed byte, and the number of bytes from there to its end.
-    fn packed(&self) -> Result<(BufReader<File>, u64)> {
+    fn packed(&self) -> Result<(BufReader<Watched>, u64)> {
         let io = |source| Error::io(&self.path, source);
         let (file, len) = open_file(&self.path)?;
-        let mut reader = BufReader::with_capacity(1 << 17, file);
+        let mut reader = BufReader::with_capacity(1 << 17, Watched::new(file, len));
         reader.seek(SeekFrom::Start(self.start)).map_err(io)?;
         let mut position = self.start;
         for _ in 0..self.line_skip {
@@ -98,7 +99,7 @@ impl Payload {
         Ok((reader, len.saturating_sub(position)))
     }
 
-    fn unpacked(&self, packed: BufReader<File>) -> Box<dyn Read> {
+    fn unpacked(&self, packed: BufReader<Watched>) -> Box<dyn Read> {
         match self.encoding {
             Encoding::Raw | Encoding::Text | Encoding::Hex => Box::new(packed),
             Encoding::Gzip => Box::new(flate2::bufread::MultiGzDecoder::new(packed)),
@@ -163,7 +164,7 @@ impl Payload {
 
     fn read_packed<T: Element>(
         &self,
-        packed: BufReader<File>,
+        packed: BufReader<Watched>,
         packed_len: u64,
         count: usize,
         whole: bool,
@@ -256,7 +257,7 @@ impl Payload {
     }
 
     /// The whole text after the header; what it takes is in the file.
-    fn text(&self, mut packed: BufReader<File>, need: u64, have: u64) -> Result<Vec<u8>> {
+    fn text(&self, mut packed: BufReader<Watched>, need: u64, have: u64) -> Result<Vec<u8>> {
         if have < need {
             return Err(self.error(format!(
                 "the header declares voxels that take at least {need} characters and the file has {have}"
@@ -271,7 +272,7 @@ impl Payload {
 
     fn read_text<T: Element>(
         &self,
-        packed: BufReader<File>,
+        packed: BufReader<Watched>,
         packed_len: u64,
         count: usize,
     ) -> Result<Vec<T>> {
@@ -312,7 +313,7 @@ impl Payload {
 
     fn read_hex<T: Element>(
         &self,
-        packed: BufReader<File>,
+        packed: BufReader<Watched>,
         packed_len: u64,
         count: usize,
     ) -> Result<Vec<T>> {
@@ -343,7 +344,7 @@ impl Payload {
         let (packed, packed_len) = self.packed()?;
         let bytes = count as u64 * size_of::<T>() as u64;
         let (skip, _) = self.raw_span(packed_len, bytes)?;
-        let file = packed.into_inner();
+        let file = packed.into_inner().into_file();
         let len = file.metadata().map_err(|e| Error::io(&self.path, e))?.len();
         let offset = (len - packed_len + skip) as usize;
         if !offset.is_multiple_of(align_of::<T>()) {

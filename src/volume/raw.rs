@@ -5,7 +5,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::Rescale;
 use super::header::{Geometry, Header};
@@ -14,18 +14,34 @@ use super::scalar::{Endian, Scalar};
 use crate::error::{Error, Result};
 
 /// How to read a file that does not say it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct RawLayout {
     /// Voxels along x (fastest), y, z.
     pub dims: [usize; 3],
     /// The type of one voxel.
+    #[serde(rename = "type")]
     pub scalar: Scalar,
     /// The order of its bytes.
     pub endian: Endian,
     /// Bytes before the first voxel.
     pub skip_bytes: u64,
     /// Distance of neighbouring voxel centres per axis.
+    #[serde(with = "numbers")]
     pub spacing: DVec3,
+}
+
+/// A vector as three numbers.
+mod numbers {
+    use super::{DVec3, Deserialize, Serialize};
+
+    pub(super) fn serialize<S: serde::Serializer>(v: &DVec3, to: S) -> Result<S::Ok, S::Error> {
+        v.to_array().serialize(to)
+    }
+
+    pub(super) fn deserialize<'d, D: serde::Deserializer<'d>>(from: D) -> Result<DVec3, D::Error> {
+        <[f64; 3]>::deserialize(from).map(DVec3::from_array)
+    }
 }
 
 impl RawLayout {

@@ -1,11 +1,13 @@
 //! The number types that files hold: more than a [`super::Volume`] keeps.
 
 use bytemuck::Pod;
+use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
 
 /// The type of one number in a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Scalar {
     /// 8 bits unsigned.
     U8,
@@ -145,7 +147,8 @@ impl std::str::FromStr for Scalar {
 }
 
 /// The order of a number's bytes in a file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub enum Endian {
     /// Lowest byte first.
     Little,
@@ -160,6 +163,14 @@ impl Endian {
     } else {
         Self::Little
     };
+
+    /// The name used by flags.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Little => "little",
+            Self::Big => "big",
+        }
+    }
 
     /// `little` or `big`.
     pub fn from_name(name: &str) -> Option<Self> {
@@ -180,6 +191,26 @@ impl std::str::FromStr for Endian {
         })
     }
 }
+
+macro_rules! as_text {
+    ($type:ty) => {
+        impl From<$type> for String {
+            fn from(value: $type) -> Self {
+                value.name().to_owned()
+            }
+        }
+
+        impl TryFrom<String> for $type {
+            type Error = Error;
+
+            fn try_from(name: String) -> Result<Self> {
+                name.parse()
+            }
+        }
+    };
+}
+as_text!(Scalar);
+as_text!(Endian);
 
 /// A number as it lies in a file.
 pub(super) trait Element: Pod + Send + Sync {

@@ -1,6 +1,9 @@
 //! The window, driven as a user does: with a real worker, real volumes, and a picture at the end that the command line must
 //! draw again.
 
+mod controls;
+mod files;
+mod harness;
 mod offscreen;
 
 use std::path::Path;
@@ -8,70 +11,16 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use eframe::egui::{Key, Modifiers, Pos2, Rect, vec2};
-use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
-use hollowcast::mode::{Light, Lighting, Mode, Window};
-use hollowcast::render::MethodChoice;
+use hollowcast::mode::{Light, Lighting, MODES, Mode, Window};
+use hollowcast::render::{MethodChoice, SliceCount};
+use hollowcast::sample::{Classification, Gradients};
 use hollowcast::skip::Skip;
-use hollowcast::viewer::session::Recent;
-use hollowcast::viewer::{App, Compare};
+use hollowcast::viewer::Compare;
+use hollowcast::volume::{RawLayout, Scalar, Source};
 
-use image::RgbaImage;
+use harness::{TestWindow, app, count, drag, empty, settle, shoot, stent, window};
 use offscreen::Offscreen;
-
-type TestWindow = Harness<'static, Option<App>>;
-
-fn stent() -> String {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("data/stent.nrrd")
-        .display()
-        .to_string()
-}
-
-/// A window of this size with volumes open.
-fn window(size: [f32; 2], scale: f32, volumes: &[&str]) -> TestWindow {
-    let mut window = Harness::builder()
-        .with_size(size)
-        .with_pixels_per_point(scale)
-        .renderer(Offscreen::new())
-        .with_render_cursor(false)
-        .build_ui_state(
-            |ui, app: &mut Option<App>| {
-                let open = || App::new(ui.ctx(), Recent::default()).unwrap();
-                app.get_or_insert_with(open).show(ui);
-            },
-            None,
-        );
-    for volume in volumes {
-        app(&mut window).open(volume);
-    }
-    settle(&mut window);
-    window
-}
-
-fn app(window: &mut TestWindow) -> &mut App {
-    window.state_mut().as_mut().unwrap()
-}
-
-/// Lets time pass until all is drawn.
-fn settle(window: &mut TestWindow) {
-    let start = Instant::now();
-    window.step();
-    loop {
-        window.step();
-        if app(window).is_at_rest() {
-            break;
-        }
-        let messages = app(window).messages();
-        assert!(!messages.iter().any(|m| m.is_error), "{messages:?}");
-        assert!(
-            start.elapsed() < Duration::from_mins(2),
-            "the window comes to rest"
-        );
-        std::thread::sleep(Duration::from_millis(15));
-    }
-    window.step();
-}
 
 /// Where the transfer function's points can be dragged.
 fn editor(window: &TestWindow) -> Rect {
@@ -79,18 +28,6 @@ fn editor(window: &TestWindow) -> Rect {
         .get_by_label("opacity over values")
         .rect()
         .shrink2(vec2(8.0, 6.0))
-}
-
-fn drag(window: &mut TestWindow, from: Pos2, to: Pos2) {
-    window.hover_at(from);
-    window.drag_at(from);
-    window.step();
-    for i in 1..=4u8 {
-        window.hover_at(from + (to - from) * (f32::from(i) / 4.0));
-        window.step();
-    }
-    window.drop_at(to);
-    window.step();
 }
 
 #[test]
@@ -197,6 +134,44 @@ fn assert_drawn_again(window: &mut TestWindow, folder: &Path, name: &str) {
 }
 
 #[test]
+fn the_copied_command_line_says_how_the_volume_is_read_and_what_only_a_gpu_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let raw = folder.path().join("voxels");
+    let voxels: Vec<u8> = (0..20 * 18 * 16).map(|i| (i * 7 % 251) as u8).collect();
+    std::fs::write(&raw, voxels).unwrap();
+    let mut window = empty([800.0, 520.0], 1.0, Offscreen::new(), None);
+    window.step();
+    app(&mut window).open(Source {
+        crop: Some("2:,:,1:15".parse().unwrap()),
+        pad_cube: true,
+        raw: Some(RawLayout::new([20, 18, 16], Scalar::U8)),
+        ..Source::new(&raw.display().to_string())
+    });
+    settle(&mut window);
+    let document = app(&mut window).document_mut().unwrap();
+    document.way.classification = Classification::PreIntegrated;
+    document.look.depth_cue = 0.75;
+    settle(&mut window);
+    assert_drawn_again(&mut window, folder.path(), "pairs.npy");
+
+    let document = app(&mut window).document_mut().unwrap();
+    document.look.depth_cue = 0.0;
+    let shaded = MODES.iter().find(|row| row.name == "shaded").unwrap();
+    document.look.mode = (shaded.suited_to)(&document.statistics);
+    document.way.gradients = Gradients::Half;
+    settle(&mut window);
+    assert_drawn_again(&mut window, folder.path(), "shaded.npy");
+
+    let document = app(&mut window).document_mut().unwrap();
+    let mip = MODES.iter().find(|row| row.name == "mip").unwrap();
+    document.look.mode = (mip.suited_to)(&document.statistics);
+    document.way.slices = Some(SliceCount::Exactly(31));
+    document.way.method = MethodChoice::Only(Skip::BeamMasks);
+    settle(&mut window);
+    assert_drawn_again(&mut window, folder.path(), "slices.npy");
+}
+
+#[test]
 fn a_window_at_rest_asks_for_no_frame_and_a_moving_one_comes_back_to_full_quality() {
     let mut window = window([800.0, 600.0], 1.0, &["phantom:pot:48"]);
     let repaint = |window: &TestWindow| {
@@ -259,7 +234,7 @@ fn keys_and_menus_reach_what_they_name() {
     assert_eq!(method(&mut window), MethodChoice::Only(Skip::Box));
 
     // A file that is not there is told of, and the message goes away.
-    app(&mut window).open("missing.nrrd");
+    app(&mut window).open(Source::new("missing.nrrd"));
     let start = Instant::now();
     while app(&mut window).messages().is_empty() && start.elapsed() < Duration::from_secs(20) {
         window.step();
@@ -270,28 +245,6 @@ fn keys_and_menus_reach_what_they_name() {
     window.get_by_label("dismiss").click();
     window.step();
     assert!(app(&mut window).messages().is_empty());
-}
-
-/// Keeps a picture of the window where `HOLLOWCAST_SCREENSHOTS` names a folder: those of the readme are made so.
-fn shoot(window: &mut TestWindow, name: &str) -> RgbaImage {
-    let image = window.render().unwrap();
-    // The harness leaves a margin around what it shows.
-    let margin = (8.0 * window.ctx.pixels_per_point()) as u32;
-    let inside = |n: u32| n - 2 * margin;
-    let (width, height) = (inside(image.width()), inside(image.height()));
-    let image = image::imageops::crop_imm(&image, margin, margin, width, height).to_image();
-    if let Ok(folder) = std::env::var("HOLLOWCAST_SCREENSHOTS") {
-        image.save(Path::new(&folder).join(name)).unwrap();
-    }
-    image
-}
-
-/// How many of a grid of places on the canvas look so.
-fn count(image: &RgbaImage, scale: f32, looks: impl Fn([u8; 4]) -> bool) -> usize {
-    let places = (0..48)
-        .flat_map(|i| (0..24).map(move |j| (480.0 + 14.0 * i as f32, 80.0 + 17.0 * j as f32)));
-    let at = |(x, y): (f32, f32)| image.get_pixel((x * scale) as u32, (y * scale) as u32).0;
-    places.map(at).filter(|&pixel| looks(pixel)).count()
 }
 
 #[test]

@@ -1,10 +1,9 @@
 //! Draws the window into a picture, on whatever adapter there is.
 
 use eframe::egui::{Context, FullOutput, TexturesDelta};
-use eframe::egui_wgpu::{
-    RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, WgpuSetup, wgpu,
-};
+use eframe::egui_wgpu::{RenderState, RendererOptions, ScreenDescriptor, WgpuConfiguration, wgpu};
 use egui_kittest::TestRenderer;
+use hollowcast::viewer::WindowGpu;
 use image::RgbaImage;
 
 /// egui's own renderer without a window.
@@ -13,7 +12,7 @@ pub(crate) struct Offscreen(RenderState);
 impl Offscreen {
     /// Opens a device.
     pub(crate) fn new() -> Self {
-        let setup = WgpuSetup::without_display_handle();
+        let setup = WindowGpu::setup();
         let instance = pollster::block_on(setup.new_instance());
         let configuration = WgpuConfiguration {
             wgpu_setup: setup,
@@ -22,6 +21,11 @@ impl Offscreen {
         let options = RendererOptions::PREDICTABLE;
         let state = RenderState::create(&configuration, &instance, None, options);
         Self(pollster::block_on(state).expect("an adapter draws the window"))
+    }
+
+    /// The device, as a window's.
+    pub(crate) fn window(&self) -> WindowGpu {
+        WindowGpu::new(&self.0)
     }
 
     fn read(&self, texture: &wgpu::Texture) -> RgbaImage {
