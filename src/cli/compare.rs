@@ -286,7 +286,8 @@ pub(super) fn heading(
 impl Args {
     /// Whether samples are looked up one by one in the transfer function's table, as adaptive asks.
     fn follows_table(&self, mode: &Mode) -> bool {
-        mode.takes_table() && self.scene.classification == Classification::Post
+        let classification = self.scene.classification.unwrap_or_default();
+        mode.takes_table() && classification == Classification::Post
     }
 
     fn plan(
