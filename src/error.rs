@@ -81,6 +81,14 @@ impl Error {
         }
     }
 
+    /// An error about a setting as one about the file that sets it.
+    pub fn in_file(self, path: &Path) -> Self {
+        match self {
+            Self::Setting { field, reason } => Self::file(path, field, reason),
+            other => other,
+        }
+    }
+
     /// Whether the input is at fault (exit code 2) rather than the run (exit code 1).
     pub fn is_bad_input(&self) -> bool {
         match self {

@@ -6,7 +6,7 @@ mod command;
 use std::fs;
 use std::path::Path;
 
-use command::{json, path, read_npy, succeeds};
+use command::{hollowcast, json, path, read_npy, succeeds};
 use serde_json::Value;
 
 const SMALL: [&str; 6] = ["--size", "24x16", "--backend", "reference", "--step", "1"];
@@ -246,6 +246,29 @@ fn a_comparison_has_a_row_for_everything_that_was_asked_for() {
             assert!(samples(row) < samples(base), "{row}");
         }
     }
+}
+
+#[test]
+fn a_table_of_speeds_has_the_modes_that_a_backend_has_and_tells_of_the_others() {
+    let args = "compare phantom:capsules:32 --modes all --methods box,distance-map --backends cpu --size 32 --views 1 \
+                --blocks 4 --repeat 1 --steps 0.5 --reference-views 0 --json";
+    let output = hollowcast(&args.split_whitespace().collect::<Vec<_>>());
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{told}");
+    assert!(
+        told.starts_with("note: shaded, grey, normals, phong"),
+        "{told}"
+    );
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let modes = report["modes"].as_array().unwrap();
+    let names: Vec<_> = modes.iter().map(|m| m["mode"].as_str().unwrap()).collect();
+    assert_eq!(names, ["emission-absorption", "mip", "minip", "mean"]);
+    for mode in modes {
+        assert_eq!(mode["speeds"][0]["differing_pixels_vs_box"], 0, "{mode}");
+    }
+    let samples = |mode: &Value| mode["rows"][1]["samples_per_pixel"].as_f64().unwrap();
+    // The same window as the mean's, and what the ray has seen.
+    assert!(samples(&modes[1]) < samples(&modes[3]));
 }
 
 #[test]

@@ -94,7 +94,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let folder = args.data.clone().or(variable);
     let places = suite.scenes.iter().map(|s| Place::of(s, folder.as_deref()));
     let places = places.collect::<Result<Vec<_>>>();
-    let places = places.map_err(|e| in_file(&args.suite, e))?;
+    let places = places.map_err(|e| e.in_file(&args.suite))?;
     // All of it is checked before any of it is measured.
     let planned = suite.groups().into_iter().map(|group| {
         let scene = &suite.scenes[group.scene].name;
@@ -133,20 +133,12 @@ pub(super) fn run(args: &Args) -> Result<()> {
             if let Some(planned) = of_scene().find(|_| suite.scene(&row.scene) == Some(scene)) {
                 bench
                     .show(row, planned)
-                    .map_err(|e| in_file(&args.suite, e))?;
+                    .map_err(|e| e.in_file(&args.suite))?;
             }
         }
     }
     drop(progress);
     super::print(&summary(&args.output, &bench.results, known))
-}
-
-/// An error about a setting is one about the file that sets it.
-fn in_file(path: &Path, error: Error) -> Error {
-    match error {
-        Error::Setting { field, reason } => Error::file(path, field, reason),
-        other => other,
-    }
 }
 
 /// Opens what the suite asks for; what is not here is noted.

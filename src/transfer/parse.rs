@@ -83,10 +83,7 @@ impl TransferFunction {
             ));
         }
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-        Self::from_toml(&text).map_err(|e| match e {
-            Error::Setting { field, reason } => Error::file(path, field, reason),
-            other => other,
-        })
+        Self::from_toml(&text).map_err(|e| e.in_file(path))
     }
 
     /// Parses a TOML file's text.

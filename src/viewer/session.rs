@@ -97,10 +97,7 @@ pub fn to_toml(kept: &[Kept]) -> Result<String> {
 /// [`Error::Io`], or [`Error::File`] naming the line or field that is wrong.
 pub fn read(path: &Path) -> Result<Vec<Kept>> {
     let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-    from_toml(&text).map_err(|e| match e {
-        Error::Setting { field, reason } => Error::file(path, field, reason),
-        other => other,
-    })
+    from_toml(&text).map_err(|e| e.in_file(path))
 }
 
 /// Parses the text of a session's file.

@@ -167,10 +167,7 @@ impl Suite {
     /// [`Error::Io`], or [`Error::File`] naming the line or field that is wrong.
     pub fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-        Self::from_toml(&text).map_err(|e| match e {
-            Error::Setting { field, reason } => Error::file(path, field, reason),
-            other => other,
-        })
+        Self::from_toml(&text).map_err(|e| e.in_file(path))
     }
 
     /// Parses a suite's text. Values that `hollowcast compare` would take as flags are left to it to check.
