@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn no_ray_that_stops_early_is_off_by_more_than_its_bound() {
-        let mut renderer = Renderer::new(BackendChoice::Cpu).unwrap();
+        let mut renderer = Renderer::new(BackendChoice::Reference).unwrap();
         let mut reached = 0.0f64;
         for (name, tf) in [
             ("full", "ramp:0:255:0.2"),
