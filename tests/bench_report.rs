@@ -201,9 +201,22 @@ fn others_are_refused(folder: &Path) {
 }
 
 fn the_page_holds_all_and_is_escaped(folder: &Path) {
+    let hazards = "noise,eye-far,wall-of-a-voxel";
+    let methods = "hull,f32-from-eye";
+    let atlas = [
+        "stability",
+        "--backends",
+        "cpu",
+        "--hazard",
+        hazards,
+        "--method",
+        methods,
+    ];
+    succeeds(folder, &[&atlas[..], &["-o", "hazards"]].concat());
+    let report = ["report", "r.jsonl", "-o", "r.html", "--charts", "charts"];
     let told = succeeds(
         folder,
-        &["report", "r.jsonl", "-o", "r.html", "--charts", "charts"],
+        &[&report[..], &["--stability", "hazards/rows.json"]].concat(),
     );
     let page = fs::read_to_string(folder.join("r.html")).unwrap();
     assert!(!page.contains("<script>alert") && page.contains("Thin &lt;script&gt;alert"));
@@ -216,6 +229,8 @@ fn the_page_holds_all_and_is_escaped(folder: &Path) {
         "id=\"pareto-thin\"",
         "id=\"blocks-thin",
         "hollowcast compare phantom:thin:20",
+        "<td>eye-far</td><td class=\"ok\">ok</td>",
+        "<td class=\"wrong\">wrong 0.0",
     ] {
         assert!(page.contains(holds), "{holds}");
     }

@@ -21,6 +21,8 @@ pub(super) struct Tables {
     pub(super) modes: Option<Table>,
     pub(super) structures: Option<Table>,
     pub(super) everything: Table,
+    /// Of methods by hazards.
+    pub(super) atlas: Option<Markup>,
 }
 
 pub(super) fn page(model: &Model, figures: &[Figure], tables: &Tables) -> Markup {
@@ -70,6 +72,7 @@ pub(super) fn page(model: &Model, figures: &[Figure], tables: &Tables) -> Markup
                     (charts("work", "Work", &of("samples")))
                     @if let Some(structures) = &tables.structures { (section("by-structure", "Structures", table(structures))) }
                     (pictures(model))
+                    @if let Some(atlas) = &tables.atlas { (section("stability", "Where methods fail", atlas)) }
                     (section("cases", "Every case", html! { details { summary { (tables.everything.rows.len()) " cases" } (table(&tables.everything)) } }))
                 }
                 script { (PreEscaped(SCRIPT)) }
