@@ -103,7 +103,7 @@ impl Group {
         } else {
             pixels
         };
-        let frames = f64::from(suite.scenes[self.scene].views * (2 + self.repeat));
+        let frames = f64::from(suite.scenes[self.scene].views) * (2.0 + f64::from(self.repeat));
         pixels * frames * self.cases.len() as f64
     }
 
