@@ -68,16 +68,16 @@ impl Error {
     pub fn file(path: &Path, field: impl Into<String>, reason: impl Into<String>) -> Self {
         Self::File {
             path: path.to_owned(),
-            field: field.into(),
-            reason: reason.into(),
+            field: one_line(field.into()),
+            reason: one_line(reason.into()),
         }
     }
 
     /// An [`Error::Setting`].
     pub fn setting(field: impl Into<String>, reason: impl Into<String>) -> Self {
         Self::Setting {
-            field: field.into(),
-            reason: reason.into(),
+            field: one_line(field.into()),
+            reason: one_line(reason.into()),
         }
     }
 
@@ -103,5 +103,37 @@ impl Error {
             ),
             Self::Gpu(_) | Self::Cancelled => false,
         }
+    }
+}
+
+/// Reasons may quote a file's own text: what would end the line, or steer a terminal, is escaped.
+fn one_line(text: String) -> String {
+    if !text.contains(char::is_control) {
+        return text;
+    }
+    let escape = |c: char| {
+        let mut text = String::new();
+        if c.is_control() {
+            text.extend(c.escape_default());
+        } else {
+            text.push(c);
+        }
+        text
+    };
+    text.chars().map(escape).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_file_says_neither_ends_the_line_nor_steers_a_terminal() {
+        let error = Error::file(Path::new("x"), "a\nb", "no \u{1b}[2Jfield \"\u{e9}\r\"");
+        assert_eq!(
+            error.to_string(),
+            "x: a\\nb: no \\u{1b}[2Jfield \"\u{e9}\\r\""
+        );
+        assert_eq!(Error::setting("a", "b\tc").to_string(), "a: b\\tc");
     }
 }

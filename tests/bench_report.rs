@@ -225,11 +225,26 @@ fn others_are_refused(folder: &Path) {
 }
 
 fn the_page_holds_all_and_is_escaped(folder: &Path) {
+    let hazards = "noise,eye-far,wall-of-a-voxel";
+    let methods = "hull,f32-from-eye";
+    let atlas = [
+        "stability",
+        "--backends",
+        "cpu",
+        "--hazard",
+        hazards,
+        "--method",
+        methods,
+    ];
+    succeeds(folder, &[&atlas[..], &["-o", "hazards"]].concat());
+    let report = ["report", "r.jsonl", "-o", "r.html", "--charts", "charts"];
     let told = succeeds(
         folder,
         &[
-            "report", "r.jsonl", "-o", "r.html", "--charts", "charts", "--tables", "t.md",
-        ],
+            &report[..],
+            &["--tables", "t.md", "--stability", "hazards/rows.json"],
+        ]
+        .concat(),
     );
     let tables = fs::read_to_string(folder.join("t.md")).unwrap();
     assert!(
@@ -251,6 +266,8 @@ fn the_page_holds_all_and_is_escaped(folder: &Path) {
         "id=\"methods-speed-reference",
         "on each all are equal to the last digit",
         "hollowcast compare phantom:thin:20",
+        "<td>eye-far</td><td class=\"ok\">ok</td>",
+        "<td class=\"wrong\">wrong 0.0",
     ] {
         assert!(page.contains(holds), "{holds}");
     }

@@ -1,6 +1,8 @@
-//! Damaged transfer functions and profiles: one line that says what is wrong, or a table that can be baked; never a panic.
+//! Damaged transfer functions, profiles, suites and results: one line that says what is wrong, or what can be used; never a
+//! panic.
 
 use hollowcast::measure::profile::Profile;
+use hollowcast::measure::suite::{Results, Suite};
 use hollowcast::transfer::{Domain, TABLE_SIZES, TransferFunction};
 use hollowcast::volume::phantom;
 use proptest::prelude::*;
@@ -9,6 +11,9 @@ const TABLE: &str = "reference_length_voxels = 1.0\npoints = [\n    { value = 40
                      { value = 255.0, opacity = 0.3, color = [1.0, 0.9, 0.8] },\n]\n";
 const PROFILE: &str =
     "backend = \"cpu\"\nmethod = \"half-split\"\nblock = 8\ncut = \"best\"\ncuts = \"auto\"\n";
+
+const SUITE: &str = include_str!("../fuzz/seeds/suite/small.toml");
+const RESULTS: &str = include_str!("../fuzz/seeds/results/small.jsonl");
 
 /// What stands in files that nobody wrote by hand.
 const ODD: &[&str] = &[
@@ -82,6 +87,54 @@ proptest! {
                 prop_assert_eq!(error.to_string().lines().count(), 1);
             }
             Ok(profile) => prop_assert_eq!(Profile::from_toml(&profile.to_toml("")).unwrap(), profile),
+        }
+    }
+
+    #[test]
+    fn a_damaged_suite_is_refused_in_one_line_or_comes_to_cases(
+        at in any::<prop::sample::Index>(),
+        len in 0_usize..12,
+        odd in prop::sample::select(ODD),
+    ) {
+        match Suite::from_toml(&damaged(SUITE, at, len, odd)) {
+            Err(error) => {
+                prop_assert!(error.is_bad_input());
+                prop_assert_eq!(error.to_string().lines().count(), 1);
+            }
+            Ok(suite) => {
+                for group in suite.groups() {
+                    prop_assert!(!group.weight(&suite).is_nan());
+                    for case in &group.cases {
+                        prop_assert!(!group.words(case, &suite, "volume").is_empty());
+                    }
+                }
+            }
+        }
+    }
+}
+
+proptest! {
+    // Each writes a file.
+    #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn damaged_results_are_refused_in_one_line_or_make_a_page(
+        at in any::<prop::sample::Index>(),
+        len in 0_usize..12,
+        odd in prop::sample::select(ODD),
+    ) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.jsonl");
+        std::fs::write(&path, damaged(RESULTS, at, len, odd)).unwrap();
+        match Results::read(&path) {
+            Err(error) => {
+                prop_assert!(error.is_bad_input());
+                prop_assert_eq!(error.to_string().lines().count(), 1);
+            }
+            Ok(results) => {
+                let page = folder.path().join("page.html");
+                hollowcast::report::write(&[results], None, &page).unwrap();
+            }
         }
     }
 }

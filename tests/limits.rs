@@ -1,17 +1,20 @@
-//! What an adapter can do to a renderer: take away its device, or take no volume as large as this. These tests fail, not
-//! skip, where there is no adapter.
+//! What an adapter can do to a renderer: take away its device, take no volume or table as large as this, or still be at work
+//! on a frame when the next one is asked for. These tests fail, not skip, where there is no adapter.
 
 use std::sync::Arc;
 
 use hollowcast::Error;
 use hollowcast::camera::Orbit;
 use hollowcast::gpu::Gpu;
-use hollowcast::render::{Renderer, Settings};
+use hollowcast::gpu::buffer::read_back;
+use hollowcast::render::{Renderer, Settings, Targets};
+use hollowcast::skip::METHODS;
 use hollowcast::transfer::{ControlPoint, TransferFunction};
 use hollowcast::volume::phantom;
 
-/// A device of the best adapter there is, that takes 3D textures of at most `edge` voxels.
-fn device(edge: u32) -> (wgpu::Device, wgpu::Queue, wgpu::AdapterInfo) {
+/// A device of the best adapter there is, that takes 3D textures of at most `edge` voxels, and of buffers binds at most
+/// `binding` bytes.
+fn device(edge: u32, binding: Option<u32>) -> (wgpu::Device, wgpu::Queue, wgpu::AdapterInfo) {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
     let adapter =
         pollster::block_on(instance.request_adapter(&wgpu::RequestAdapterOptions::default()))
@@ -19,6 +22,8 @@ fn device(edge: u32) -> (wgpu::Device, wgpu::Queue, wgpu::AdapterInfo) {
     let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
         required_limits: wgpu::Limits {
             max_texture_dimension_3d: edge,
+            max_storage_buffer_binding_size:
+                binding.map_or(adapter.limits().max_storage_buffer_binding_size, Into::into),
             ..adapter.limits()
         },
         ..Default::default()
@@ -34,10 +39,13 @@ fn settings(extent: glam::DVec3) -> Settings {
     }
 }
 
-fn transfer() -> TransferFunction {
+/// Edge of the pictures that are drawn into targets: their rows are whole units of a copy.
+const EDGE: u32 = 64;
+
+fn transfer(opacity: f64) -> TransferFunction {
     let point = ControlPoint {
         value: 0.0,
-        opacity: 0.1,
+        opacity,
         color: [1.0; 3],
     };
     TransferFunction::new(vec![point], 1.0).unwrap()
@@ -45,12 +53,12 @@ fn transfer() -> TransferFunction {
 
 #[test]
 fn a_device_that_is_gone_is_an_error_and_no_panic() {
-    let (device, queue, info) = device(256);
+    let (device, queue, info) = device(256, None);
     let mut renderer =
         Renderer::with_device(Gpu::from_device(device.clone(), queue, info)).unwrap();
     let volume = Arc::new(phantom::make("shells", [16; 3]).unwrap());
     renderer.set_volume(Arc::clone(&volume)).unwrap();
-    renderer.set_transfer(transfer());
+    renderer.set_transfer(transfer(0.1));
     let settings = settings(volume.extent());
     renderer.render(&settings).unwrap();
     device.destroy();
@@ -64,7 +72,7 @@ fn a_device_that_is_gone_is_an_error_and_no_panic() {
 
 #[test]
 fn a_volume_over_the_limit_is_refused_by_the_limits_name() {
-    let (device, queue, info) = device(256);
+    let (device, queue, info) = device(256, None);
     let mut renderer = Renderer::with_device(Gpu::from_device(device, queue, info)).unwrap();
     let long = Arc::new(phantom::make("full", [257, 2, 2]).unwrap());
     let error = renderer.set_volume(long).unwrap_err();
@@ -76,7 +84,125 @@ fn a_volume_over_the_limit_is_refused_by_the_limits_name() {
     // And the next that fits is drawn.
     let volume = Arc::new(phantom::make("full", [8; 3]).unwrap());
     renderer.set_volume(Arc::clone(&volume)).unwrap();
-    renderer.set_transfer(transfer());
+    renderer.set_transfer(transfer(0.1));
     let picture = renderer.render(&settings(volume.extent())).unwrap().picture;
     assert!(picture.rgba.iter().any(|p| p[3] > 0.0));
+}
+
+#[test]
+fn a_picture_over_the_limit_of_a_binding_is_drawn_in_pieces() {
+    let picture = |binding: Option<u32>| {
+        let (device, queue, info) = device(256, binding);
+        let mut renderer = Renderer::with_device(Gpu::from_device(device, queue, info)).unwrap();
+        let volume = Arc::new(phantom::make("shells", [16; 3]).unwrap());
+        renderer.set_volume(Arc::clone(&volume)).unwrap();
+        renderer.set_transfer(transfer(0.1));
+        let settings = Settings {
+            size: [100, 75],
+            table_entries: 256,
+            ..settings(volume.extent())
+        };
+        renderer.render(&settings).unwrap().picture
+    };
+    // Its pixels take 120,000 bytes.
+    assert_eq!(picture(Some(1 << 16)).difference(&picture(None)).pixels, 0);
+}
+
+/// A texture to draw into, and its bytes.
+fn target(gpu: &Gpu) -> wgpu::Texture {
+    gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("target"),
+        size: wgpu::Extent3d {
+            width: EDGE,
+            height: EDGE,
+            depth_or_array_layers: 1,
+        },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+        view_formats: &[],
+    })
+}
+
+fn bytes_of(gpu: &Gpu, texture: &wgpu::Texture) -> Vec<u8> {
+    let len = EDGE * EDGE * 4;
+    let buffer = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("target's bytes"),
+        size: u64::from(len),
+        usage: wgpu::BufferUsages::COPY_SRC | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    });
+    let mut encoder = gpu
+        .device
+        .create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo {
+            buffer: &buffer,
+            layout: wgpu::TexelCopyBufferLayout {
+                offset: 0,
+                bytes_per_row: Some(EDGE * 4),
+                rows_per_image: None,
+            },
+        },
+        texture.size(),
+    );
+    gpu.queue.submit([encoder.finish()]);
+    read_back(gpu, &buffer, len as usize).unwrap()
+}
+
+#[test]
+fn what_changes_while_a_frame_is_in_flight_is_of_the_next_frame_alone() {
+    let (device, queue, info) = device(256, None);
+    let gpu = Gpu::from_device(device, queue, info);
+    let volume = Arc::new(phantom::make("shells", [24; 3]).unwrap());
+    let frames: Vec<(f64, Settings)> = (0..6)
+        .map(|i| {
+            let orbit = Orbit {
+                azimuth_degrees: 50.0 * f64::from(i),
+                ..Orbit::default()
+            };
+            let settings = Settings {
+                skip: METHODS[i as usize % 3].skip,
+                block: [4, 8][i as usize % 2],
+                size: [EDGE; 2],
+                ..Settings::new(orbit.camera(volume.extent()))
+            };
+            (0.05 + 0.1 * f64::from(i), settings)
+        })
+        .collect();
+    let draw =
+        |renderer: &mut Renderer, (opacity, settings): &(f64, Settings), on: &wgpu::Texture| {
+            renderer.set_transfer(transfer(*opacity));
+            let targets = Targets {
+                color: &on.create_view(&wgpu::TextureViewDescriptor::default()),
+                color_format: on.format(),
+                depth: None,
+            };
+            renderer.render_to(settings, &targets).unwrap();
+        };
+    let renderer = || {
+        let mut renderer = Renderer::with_device(gpu.clone()).unwrap();
+        renderer.set_volume(Arc::clone(&volume)).unwrap();
+        renderer
+    };
+    // One after another on one renderer: nothing waits for the last pass of any, and all are read at the end.
+    let mut busy = renderer();
+    let drawn: Vec<wgpu::Texture> = frames.iter().map(|_| target(&gpu)).collect();
+    for (frame, texture) in frames.iter().zip(&drawn) {
+        draw(&mut busy, frame, texture);
+    }
+    let drawn: Vec<Vec<u8>> = drawn
+        .iter()
+        .map(|texture| bytes_of(&gpu, texture))
+        .collect();
+    for (i, frame) in frames.iter().enumerate() {
+        let alone = target(&gpu);
+        draw(&mut renderer(), frame, &alone);
+        let alone = bytes_of(&gpu, &alone);
+        assert!(alone.iter().any(|&b| b > 0));
+        assert!(alone == drawn[i], "frame {i}");
+    }
 }

@@ -25,20 +25,27 @@ fn surfaces(mode: &Mode) -> Vec<f64> {
     }
 }
 
-/// Pixels whose ray has a sample within 1e-4 of the data's range of a surface, up to its hit: where its first hit is
-/// another one if the surface lies that much higher or lower.
+/// Pixels whose ray meets another surface, or none, if the surface lies 1e-4 of the data's range higher or lower: where its
+/// first hit jumps by more than the sample that a crossing is looked for behind, or to the ray's first sample, before which no
+/// crossing is looked for.
 fn undecided(reference: &mut Renderer, volume: &Volume, settings: &Settings) -> Vec<bool> {
     let [low, high] = Statistics::of(volume).value_range();
     let margin = 1e-4 * (high - low);
     let mut undecided = vec![false; (settings.size[0] * settings.size[1]) as usize];
     for iso in surfaces(&settings.mode) {
         let [below, above] = [iso - margin, iso + margin].map(|iso| {
-            let mode = Mode::Normals { iso };
-            let counted = reference.count(&Settings { mode, ..*settings });
-            counted.unwrap().first_hit
+            let counted = reference.count(&Settings {
+                mode: Mode::Normals { iso },
+                skip: Skip::Box,
+                ..*settings
+            });
+            counted.unwrap()
         });
         for (i, undecided) in undecided.iter_mut().enumerate() {
-            *undecided |= below[i] != above[i];
+            let [a, b] = [below.first_hit[i], above.first_hit[i]].map(f64::from);
+            let is_near = (a - b).abs() < 1.5 * settings.step_voxels;
+            let begins_inside = below.samples[i].min(above.samples[i]) == 1;
+            *undecided |= a != b && (!is_near || begins_inside);
         }
     }
     undecided
@@ -70,8 +77,10 @@ fn check_against_reference(volumes: &[Arc<Volume>]) {
                 );
                 let masked = undecided(&mut reference, volume, &settings);
                 if !surfaces(&mode).is_empty() {
+                    let count = masked.iter().filter(|m| **m).count();
+                    println!("{} {view:?}: {count} pixels masked", mode.name());
                     pixels += masked.len();
-                    masked_pixels += masked.iter().filter(|m| **m).count();
+                    masked_pixels += count;
                 }
                 for renderer in [&mut *renderer, &mut cpu] {
                     if !renderer.has_mode(&mode) {
@@ -118,16 +127,10 @@ fn every_mode_of_the_stent_is_within_60_db_of_the_reference() {
 }
 
 #[test]
-fn every_mode_of_the_head_is_within_60_db_of_the_reference() {
-    check_against_reference(&[shipped("nibabel_head.nii.gz")]);
-}
-
-#[test]
 #[ignore = "reads HOLLOWCAST_DATA"]
 fn every_mode_of_more_scans_is_within_60_db_of_the_reference() {
-    for name in ["aneurism", "boston_teapot", "engine", "tooth"] {
-        check_against_reference(&[of_data_folder(&format!("{name}.nrrd"))]);
-    }
+    let scans = ["aneurism", "boston_teapot", "tooth"];
+    check_against_reference(&scans.map(|name| of_data_folder(&format!("{name}.nrrd"))));
 }
 
 #[test]
@@ -141,7 +144,6 @@ fn skipping_changes_no_bit_in_any_mode() {
         turned_round(&made("shells")),
         shipped("qim3d_shell.nrrd"),
         shipped("stent.nrrd"),
-        shipped("nibabel_head.nii.gz"),
     ];
     for volume in &volumes {
         let transfer = show([&mut *renderer, &mut cpu, &mut reference], volume);

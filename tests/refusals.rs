@@ -1,52 +1,60 @@
-//! Every bad input that was tried, as a list of commands with what they answer: `tests/cmd/usage.trycmd`.
+//! Every bad input that was tried, as lists of commands with what they answer: `tests/cmd/*.trycmd`.
 //!
-//! A command's line begins with `$`, its exit code with `?`, its message follows; `[..]` stands for anything.
+//! `TRYCMD=overwrite cargo test --test refusals` writes the answers of today into the lists.
 
-use std::process::Command;
+use std::path::{Path, PathBuf};
 
-#[test]
-fn bad_input_is_refused_in_the_words_of_the_list() {
-    let folder = tempfile::tempdir().unwrap();
-    let list = include_str!("cmd/usage.trycmd");
-    let mut tried = 0;
-    for entry in list.split("\n$ ").skip(1) {
-        let lines: Vec<&str> = entry.lines().filter(|l| !l.starts_with("```")).collect();
-        let [command, code, told @ ..] = lines.as_slice() else {
-            panic!("{entry}: a command, a code and a message")
-        };
-        let mut words = command.split(' ');
-        assert_eq!(words.next(), Some("hollowcast"));
-        let output = Command::new(env!("CARGO_BIN_EXE_hollowcast"))
-            .args(words)
-            .current_dir(folder.path())
-            .env_remove("RUST_LOG")
-            .output()
-            .unwrap();
-        let expected = told.join("\n");
-        let answer = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(
-            Some(*code),
-            output.status.code().map(|c| format!("? {c}")).as_deref(),
-            "{command}: {answer}"
-        );
-        assert!(
-            is_like(answer.trim(), expected.trim()),
-            "{command}: {answer}"
-        );
-        assert!(output.stdout.is_empty(), "{command}");
-        tried += 1;
-    }
-    assert!(tried > 15, "{tried} commands were tried");
-    // Nothing was written on the way to a refusal.
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+use trycmd::TestCases;
+
+/// The lists, and the files that their commands find: of `x.trycmd` those in `x.in`.
+const CASES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/cmd");
+
+/// All files in a folder and the folders in it.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut found: Vec<PathBuf> = entries
+        .map(|entry| entry.unwrap().path())
+        .flat_map(|path| {
+            if path.is_dir() {
+                files(&path)
+            } else {
+                vec![path]
+            }
+        })
+        .collect();
+    found.sort();
+    found
 }
 
-/// Whether a text is the pattern, whose `[..]` stands for anything.
-fn is_like(text: &str, pattern: &str) -> bool {
-    match pattern.split_once("[..]") {
-        None => text == pattern,
-        Some((before, after)) => text
-            .strip_prefix(before)
-            .is_some_and(|rest| rest.ends_with(after)),
+#[test]
+fn bad_input_is_refused_in_the_words_of_the_lists() {
+    let before = files(Path::new(CASES));
+    let cases = TestCases::new();
+    cases
+        .register_bin("hollowcast", Path::new(env!("CARGO_BIN_EXE_hollowcast")))
+        .env("RUST_LOG", "")
+        .case("tests/cmd/*.trycmd");
+    cases.run();
+    // Nothing was written on the way to a refusal.
+    assert_eq!(files(Path::new(CASES)), before);
+}
+
+#[test]
+fn every_answer_of_the_lists_is_one_line_and_the_code_of_bad_input() {
+    let mut tried = 0;
+    for path in files(Path::new(CASES)) {
+        if path.extension().is_none_or(|e| e != "trycmd") {
+            continue;
+        }
+        let list = std::fs::read_to_string(&path).unwrap();
+        for entry in list.split("\n$ ").skip(1) {
+            let lines: Vec<&str> = entry.lines().take_while(|l| !l.is_empty()).collect();
+            let [_, "? 2", message] = lines.as_slice() else {
+                panic!("{}: {entry}", path.display())
+            };
+            assert!(message.starts_with("error: "), "{entry}");
+            tried += 1;
+        }
     }
+    assert!(tried > 150, "{tried} commands were tried");
 }

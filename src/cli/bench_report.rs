@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use hollowcast::measure::suite::Results;
+use hollowcast::report::Atlas;
 use hollowcast::{Error, Result, report};
 
 const EXAMPLES: &str = "\
@@ -10,6 +11,7 @@ Examples:
   hollowcast bench benches/quick.toml -o quick.jsonl
   hollowcast report quick.jsonl -o quick.html
   hollowcast report laptop.jsonl workstation.jsonl -o both.html --charts charts
+  hollowcast stability -o hazards && hollowcast report quick.jsonl --stability hazards/rows.json
 
 The page is one file that needs no network: charts of error over time with their Pareto fronts, the published tables beside
 what was measured, pictures, and under each number the command that measures it again. --charts writes its charts as SVG and
@@ -22,6 +24,10 @@ pub(super) struct Args {
     /// Files that `hollowcast bench` wrote
     #[arg(value_name = "RESULTS", required = true)]
     results: Vec<PathBuf>,
+
+    /// What `hollowcast stability -o FOLDER` wrote: its rows.json, for a table of methods by hazards
+    #[arg(long, value_name = "ROWS.json")]
+    stability: Option<PathBuf>,
 
     /// The page
     #[arg(short, long, value_name = "FILE", default_value = "report.html")]
@@ -46,13 +52,17 @@ pub(super) fn run(args: &Args) -> Result<()> {
         if args.results.contains(output) {
             return bad("is one of the results, which would be lost");
         }
+        if args.stability.as_ref() == Some(output) {
+            return bad("is the table of hazards, which would be lost");
+        }
         if output.is_dir() {
             return bad("is a folder");
         }
     }
+    let atlas = args.stability.as_deref().map(Atlas::read).transpose()?;
     let results = args.results.iter().map(|path| Results::read(path));
     let results = results.collect::<Result<Vec<_>>>()?;
-    let figures = report::write(&results, &args.output)?;
+    let figures = report::write(&results, atlas.as_ref(), &args.output)?;
     let mut files = vec![args.output.clone()];
     if let Some(tables) = &args.tables {
         report::write_tables(&results, tables)?;

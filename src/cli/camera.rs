@@ -141,6 +141,7 @@ fn around<'a>(parts: impl Iterator<Item = (&'a str, &'a str)>) -> Result<CameraS
             }
             "fov" => orbit.fov_y_degrees = Some(number(key, value)?),
             "ortho" if value.is_empty() => orbit.fov_y_degrees = None,
+            "ortho" => return Err("ortho: takes no number beside az, el and dist".to_owned()),
             "up" => {
                 orbit.up_negative = value.starts_with('-');
                 orbit.up_axis = ["x", "y", "z"]

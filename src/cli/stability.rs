@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use hollowcast::measure::stability::{
-    Atlas, Contestant, Found, GROUPS, Hazard, Row, Verdict, Worst, hazards, markdown, tallies,
+    Atlas, Contestant, Found, GROUPS, Hazard, Row, Verdict, Worst, findings, hazards, markdown,
+    tallies,
 };
 use hollowcast::output::{self, PngEncoding};
 use hollowcast::render::{BackendChoice, Renderer};
@@ -26,8 +27,10 @@ A hazard is a small scene that some method may fail on: a camera inside a wall, 
 Every contestant draws it; a lossless method is wrong where one pixel differs from box in any bit, a lossy one where a
 channel is off by more than 1/255, box where it is off the f64 reference of the same scene by more than 2/255 or under
 60 dB. Slow: over 1.1 times box's frame, in the hazards whose names begin with time-. Besides the methods:
-hardware-filter, the adapter's interpolation in place of the exact one (gpu); f32-from-eye, rays measured in f32 from the
-eye (cpu). With -o: rows.json, stability.md and, for every hazard in which something is wrong, the worst picture, what
+hardware-filter, the adapter's interpolation in place of the exact one (gpu); pre-classified, voxels looked up before they
+are interpolated (gpu); f32-from-eye, rays measured in f32 from the eye (cpu). What the literature's methods are said to
+fail at is listed with what was measured. JSON tells of each first frame its error against the ground truth too (pictures
+up to 90x90), which has the step's own error in it and is kept in the cache folder. With -o: rows.json, stability.md and, for every hazard in which something is wrong, the worst picture, what
 it should be, and eight times the difference. Exit code 1 where a lossless method is wrong.";
 
 /// Shows where each method fails: draws hazards with all of them, and holds them against box and the f64 reference.
@@ -96,7 +99,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
         .map(|&choice| Renderer::new(choice))
         .collect::<Result<Vec<_>>>()?;
     let adapters: Vec<_> = renderers.iter().map(|r| r.info().clone()).collect();
-    let mut atlas = Atlas::new(renderers, &contestants)?;
+    let mut atlas = Atlas::new(renderers, &contestants)?.with_truths();
     let progress = Progress::bar("drawing hazards");
     let mut rows: Vec<Row> = Vec::new();
     for (i, hazard) in chosen.iter().enumerate() {
@@ -113,6 +116,7 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let json = json!({
         "adapters": adapters.iter().map(report::adapter_json).collect::<Vec<Value>>(),
         "rows": rows,
+        "claims": findings(&rows),
     });
     if let Some(folder) = &args.output {
         write(&folder.join("rows.json"), &format!("{json:#}\n"))?;
@@ -161,7 +165,7 @@ fn listing(rows: &[Row]) -> String {
             "{} pixels differ from box, by up to {:.3e}",
             row.differing_pixels_vs_box, row.max_abs_diff_vs_box
         );
-        if let Some(error) = row.error_vs_truth {
+        if let Some(error) = row.error_vs_reference {
             let _ = write!(text, "; {:.3}/255 off the reference", error * 255.0);
         }
         text.push('\n');
@@ -179,6 +183,22 @@ fn listing(rows: &[Row]) -> String {
             } else {
                 tally.lossless_wrong.join(", ")
             },
+        );
+    }
+    for finding in findings(rows) {
+        let _ = writeln!(
+            text,
+            "{} {:<16} {}: {} in {} on {}",
+            if finding.is_shown {
+                "shown    "
+            } else {
+                "not shown"
+            },
+            finding.claim.method,
+            finding.claim.about,
+            finding.words(),
+            finding.claim.hazard,
+            finding.backend,
         );
     }
     text
@@ -213,6 +233,7 @@ fn document(hazards: &[&Hazard], rows: &[Row], adapters: &[String]) -> String {
             );
         }
     }
+    claims(&mut text, rows);
     text.push_str("\n## The hazards\n\n");
     for hazard in hazards {
         let _ = writeln!(
@@ -222,6 +243,31 @@ fn document(hazards: &[&Hazard], rows: &[Row], adapters: &[String]) -> String {
         );
     }
     text
+}
+
+/// What the literature's methods are said to fail at, as a table.
+fn claims(text: &mut String, rows: &[Row]) {
+    let found = findings(rows);
+    if found.is_empty() {
+        return;
+    }
+    text.push_str(
+        "\n## Where the literature's methods fail\n\n| method | fails where it | hazard | backend | measured | shown |\n\
+         | --- | --- | --- | --- | --- | --- |\n",
+    );
+    for finding in found {
+        // Writing to a String cannot fail.
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {} | {} | {} |",
+            finding.claim.method,
+            finding.claim.about,
+            finding.claim.hazard,
+            finding.backend,
+            finding.words(),
+            if finding.is_shown { "yes" } else { "no" },
+        );
+    }
 }
 
 fn write(path: &Path, text: &str) -> Result<()> {

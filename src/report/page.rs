@@ -15,7 +15,12 @@ const SCRIPT: &str = include_str!("script.js");
 /// Nothing but what the page holds itself.
 const POLICY: &str = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
 
-pub(super) fn page(model: &Model, figures: &[Figure], tables: &Tables) -> Markup {
+pub(super) fn page(
+    model: &Model,
+    figures: &[Figure],
+    tables: &Tables,
+    atlas: Option<&Markup>,
+) -> Markup {
     let of = |prefix: &str| -> Vec<&Figure> {
         figures
             .iter()
@@ -64,6 +69,7 @@ pub(super) fn page(model: &Model, figures: &[Figure], tables: &Tables) -> Markup
                     (charts("samples", "Work", &of("work")))
                     @if let Some(structures) = &tables.structures { (section("by-structure", "Structures", table(structures))) }
                     (pictures(model))
+                    @if let Some(atlas) = atlas { (section("stability", "Where methods fail", atlas)) }
                     (section("cases", "Every case", html! { details { summary { (tables.everything.rows.len()) " cases" } (table(&tables.everything)) } }))
                 }
                 script { (PreEscaped(SCRIPT)) }

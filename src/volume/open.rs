@@ -5,7 +5,7 @@ use std::path::Path;
 use super::header::{Header, Stored};
 use super::payload::{open_file, read_head};
 use super::{RawLayout, Volume, metaimage, nifti, nrrd, phantom, raw};
-use crate::error::Result;
+use crate::error::{Error, Result};
 
 /// Opens a volume file: NRRD, `MetaImage`, NIfTI-1 or -2, `VolPack` .den, or raw voxels.
 ///
@@ -43,6 +43,9 @@ fn header(path: &Path, layout: Option<&RawLayout>) -> Result<Header> {
         return raw::header(path, layout);
     }
     let head = read_head(path, 1 << 10)?;
+    if head.is_empty() {
+        return Err(Error::file(path, "format", "is none: the file is empty"));
+    }
     if nrrd::is_nrrd(&head) {
         return nrrd::header(path);
     }

@@ -55,6 +55,10 @@ struct Reads {
 
 impl Reads {
     fn gather(&mut self, module: &Module, function: &Function, at: Handle<Expression>) {
+        // Nothing more is to be learnt; and expressions share their parts.
+        if self.others {
+            return;
+        }
         let mut gather = |at| self.gather(module, function, at);
         match function.expressions[at] {
             Expression::Literal(_)

@@ -4,7 +4,7 @@ use super::eye_rays;
 use super::scenery::Frame;
 use crate::error::Result;
 use crate::render::{Renderer, Settings};
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 use crate::scene::Picture;
 use crate::skip::{METHODS, Skip};
 use crate::volume::Volume;
@@ -16,6 +16,8 @@ pub enum Contestant {
     Method(Skip),
     /// Box through the adapter's filter, in place of exact interpolation.
     Filter,
+    /// Box with voxels looked up before they are interpolated, in place of after.
+    PreClassified,
     /// Box on the processor with lengths in f32 from the eye, in place of from a plane before the box.
     EyeRays,
 }
@@ -23,7 +25,7 @@ pub enum Contestant {
 impl Contestant {
     /// All of them, box first.
     pub fn all() -> impl Iterator<Item = Self> {
-        let others = [Self::Filter, Self::EyeRays];
+        let others = [Self::Filter, Self::PreClassified, Self::EyeRays];
         METHODS
             .iter()
             .filter(|m| !m.is_limit)
@@ -36,6 +38,7 @@ impl Contestant {
         match self {
             Self::Method(skip) => skip.method().name,
             Self::Filter => "hardware-filter",
+            Self::PreClassified => "pre-classified",
             Self::EyeRays => "f32-from-eye",
         }
     }
@@ -44,7 +47,7 @@ impl Contestant {
     pub fn is_lossless(self) -> bool {
         match self {
             Self::Method(skip) => skip.method().lossless,
-            Self::Filter | Self::EyeRays => false,
+            Self::Filter | Self::PreClassified | Self::EyeRays => false,
         }
     }
 
@@ -52,7 +55,7 @@ impl Contestant {
     pub(super) fn is_on(self, renderer: &Renderer) -> bool {
         match self {
             Self::Method(skip) => renderer.has(skip),
-            Self::Filter => renderer.info().backend == "gpu",
+            Self::Filter | Self::PreClassified => renderer.info().backend == "gpu",
             Self::EyeRays => renderer.info().backend == "cpu",
         }
     }
@@ -66,6 +69,10 @@ impl Contestant {
             }),
             Self::Filter => Some(Settings {
                 sampler: Some(Sampler::Hardware),
+                ..frame.settings
+            }),
+            Self::PreClassified => Some(Settings {
+                classification: Classification::Pre,
                 ..frame.settings
             }),
             Self::EyeRays => None,

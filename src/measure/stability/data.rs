@@ -2,8 +2,9 @@
 
 use super::Hazard;
 use super::scenery::{Scenery, ramp};
-use super::volumes::{carved, case, cavity, one_per_block, shells, spiral};
+use super::volumes::{MATTER, bytes, carved, case, cavity, one_per_block, shells, spiral};
 use crate::error::Result;
+use crate::skip::segment_list::MOST_SEGMENTS;
 use crate::volume::phantom;
 
 pub(super) const HAZARDS: &[Hazard] = &[
@@ -88,6 +89,34 @@ pub(super) const HAZARDS: &[Hazard] = &[
         group: 6,
         about: "time: half-split marches a cavity that its cut does not go through",
         make: || Ok(Scenery::timed(cavity(TIMED, 0.1, 0.48)).through(&ramp(40.0, 255.0, 0.01))),
+    },
+    Hazard {
+        name: "time-cavity-in-one-half",
+        group: 6,
+        about: "time: a solid block whose one cavity takes most of the far half, so that both halves' hulls are the block",
+        make: || {
+            let inside = |i: usize, to: usize| (3..to).contains(&i);
+            let hollow = carved("cavity in one half", TIMED, |[x, y, z]| {
+                !(inside(z, TIMED / 2 - 3) && inside(x, TIMED - 3) && inside(y, TIMED - 3))
+            });
+            Ok(Scenery::timed(hollow).through(&ramp(40.0, 255.0, 0.01)))
+        },
+    },
+    Hazard {
+        name: "time-many-sheets",
+        group: 6,
+        about: "time: more sheets on a ray than lists of segments have slots",
+        make: || {
+            let dims = [TIMED, TIMED, 6 * (MOST_SEGMENTS + 8)];
+            let sheets = bytes(
+                "sheets",
+                dims,
+                |[_, _, z]| if z % 6 == 0 { MATTER } else { 0 },
+            );
+            Ok(Scenery::timed(sheets)
+                .through(&ramp(40.0, 255.0, 0.02))
+                .with(|s| s.block = 2))
+        },
     },
     Hazard {
         name: "time-fragmented",

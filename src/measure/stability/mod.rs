@@ -2,9 +2,11 @@
 //!
 //! A hazard is one or more frames of a small volume. `run` draws them with every [`Contestant`], holds each picture
 //! against box's on the same backend and box's against the f64 reference's of the same scene (exact interpolation, the
-//! same step and mode), so that arithmetic and skipping are judged and not the step; and says [`Verdict`].
+//! same step and mode), so that arithmetic and skipping are judged and not the step; and says [`Verdict`]. What the step
+//! costs is told beside it, as the error of the first frame against its ground truth.
 
 mod cameras;
+mod claims;
 mod contestant;
 mod data;
 mod eye_rays;
@@ -16,18 +18,21 @@ mod sequences;
 mod settings;
 mod summary;
 mod tables;
+mod truths;
 mod volumes;
 
+use std::borrow::Cow;
 use std::fmt;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::error::Result;
 
+pub use claims::{CLAIMS, Claim, Finding, LEFT_BEHIND, findings};
 pub use contestant::Contestant;
 pub use run::{Atlas, Found, Worst};
 pub use scenery::{Frame, Judged, Scenery};
-pub use summary::{Tally, markdown, tallies};
+pub use summary::{Tally, cell, markdown, tallies};
 
 /// Largest distance of a channel of an exact picture from the f64 reference's.
 pub const TRUTH_MAX_ABS: f64 = 2.0 / 255.0;
@@ -83,7 +88,7 @@ pub fn hazards() -> impl Iterator<Item = &'static Hazard> {
 }
 
 /// What came of a contestant in a hazard.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// Right, and as fast as box where time was asked for.
@@ -105,14 +110,14 @@ impl fmt::Display for Verdict {
 }
 
 /// One contestant in one hazard on one backend.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The hazard's name.
-    pub hazard: &'static str,
+    pub hazard: Cow<'static, str>,
     /// Its group, 1 to 10.
     pub group: u8,
     /// The method's name, or that of another contestant.
-    pub method: &'static str,
+    pub method: Cow<'static, str>,
     /// `gpu` or `cpu`; both, where they are held against each other.
     pub backend: String,
     /// Whether its pictures must be bit-identical to box's.
@@ -125,6 +130,10 @@ pub struct Row {
     pub max_abs_diff_vs_box: f64,
     /// Largest difference of any channel from the f64 reference of the same scene; `None` where two backends are held
     /// against each other.
+    pub error_vs_reference: Option<f64>,
+    /// Largest difference of any channel of the first frame from the picture that all tend to as the step goes to 0
+    /// ([`crate::measure::truth`]), pixels at discontinuities left out: what the step, the interpolation and an early end of
+    /// rays cost, besides all else. `None` where it was not asked for, or the picture is too large.
     pub error_vs_truth: Option<f64>,
     /// Time of a frame over box's: medians of interleaved runs. `None` where the hazard is not one of time.
     pub time_vs_box: Option<f64>,

@@ -2,10 +2,12 @@
 
 use super::contestant::Contestant;
 use super::scenery::{Judged, Scenery};
+use super::truths;
 use super::{Hazard, LOSSY_MAX_ABS, Row, SLOW, TRUTH_MAX_ABS, TRUTH_PSNR_DB, Verdict};
 use crate::error::{Error, Result};
 use crate::measure::metrics::metrics;
 use crate::measure::race::{Entrant, race};
+use crate::measure::truth::Truth;
 use crate::render::{BackendChoice, Renderer, Settings};
 use crate::scene::Picture;
 use crate::skip::Skip;
@@ -18,6 +20,7 @@ pub struct Atlas {
     renderers: Vec<Renderer>,
     reference: Renderer,
     contestants: Vec<Contestant>,
+    measures_truth: bool,
 }
 
 /// What one hazard made of all contestants.
@@ -59,7 +62,14 @@ impl Atlas {
             renderers,
             reference: Renderer::new(BackendChoice::Reference)?,
             contestants: std::iter::once(by_box).chain(others).collect(),
+            measures_truth: false,
         })
+    }
+
+    /// Holds every first frame against its ground truth too: seconds for a hazard whose truth is not in the cache yet.
+    pub fn with_truths(mut self) -> Self {
+        self.measures_truth = true;
+        self
     }
 
     /// Draws one hazard with all contestants on all renderers.
@@ -75,7 +85,11 @@ impl Atlas {
         let scenery = (hazard.make)()?;
         self.reference.set_volume(scenery.volume.clone())?;
         let by_box = Contestant::Method(Skip::Box);
-        let truth = pictures(by_box, &mut self.reference, &scenery)?;
+        let reference = pictures(by_box, &mut self.reference, &scenery)?;
+        let converged = self
+            .measures_truth
+            .then(|| truths::of_first_frame(&scenery))
+            .flatten();
         let mut found = Found {
             rows: Vec::new(),
             worst: None,
@@ -99,7 +113,8 @@ impl Atlas {
                     backend,
                     scenery: &scenery,
                     boxes: &boxes,
-                    truth: &truth,
+                    reference: &reference,
+                    truth: converged.as_ref(),
                     time,
                 };
                 if contestant == by_box {
@@ -188,7 +203,8 @@ struct Judge<'a> {
     backend: &'static str,
     scenery: &'a Scenery,
     boxes: &'a [Picture],
-    truth: &'a [Picture],
+    reference: &'a [Picture],
+    truth: Option<&'a Truth>,
     time: Option<f64>,
 }
 
@@ -202,20 +218,20 @@ impl Judge<'_> {
             let difference = picture.difference(&self.boxes[i]);
             differing_pixels += difference.pixels;
             max_abs = max_abs.max(difference.max_abs);
-            let expected = if is_box { self.truth } else { self.boxes };
+            let expected = if is_box { self.reference } else { self.boxes };
             let off = picture.difference(&expected[i]).max_abs;
             if off >= worst.0 {
                 worst = (off, i);
             }
         }
-        let truth = metrics(pictures.iter().zip(self.truth));
+        let off = metrics(pictures.iter().zip(self.reference));
         let in_sequence = self.scenery.judged == Judged::InSequence;
         let change = in_sequence.then(|| largest_change(pictures));
         let boxs_change = in_sequence.then(|| largest_change(self.boxes));
         let pops = change
             .zip(boxs_change)
             .is_some_and(|(c, b)| c > b + LOSSY_MAX_ABS);
-        let is_near = truth.max_abs <= TRUTH_MAX_ABS && truth.psnr_db() >= TRUTH_PSNR_DB;
+        let is_near = off.max_abs <= TRUTH_MAX_ABS && off.psnr_db() >= TRUTH_PSNR_DB;
         let is_finite = pictures
             .iter()
             .all(|p| p.rgba.as_flattened().iter().all(|c| c.is_finite()));
@@ -234,23 +250,24 @@ impl Judge<'_> {
             _ => Verdict::Ok,
         };
         let row = Row {
-            hazard: self.hazard.name,
+            hazard: self.hazard.name.into(),
             group: self.hazard.group,
-            method: self.contestant.name(),
+            method: self.contestant.name().into(),
             backend: self.backend.to_owned(),
             lossless: self.contestant.is_lossless(),
             verdict,
             differing_pixels_vs_box: differing_pixels,
             max_abs_diff_vs_box: max_abs,
-            error_vs_truth: Some(truth.max_abs),
+            error_vs_reference: Some(off.max_abs),
+            error_vs_truth: self.truth.map(|truth| truths::error(&pictures[0], truth)),
             time_vs_box: self.time,
             change,
             boxs_change,
         };
         let (off, i) = worst;
-        let expected = if is_box { self.truth } else { self.boxes };
+        let expected = if is_box { self.reference } else { self.boxes };
         let worst = Worst {
-            method: row.method,
+            method: self.contestant.name(),
             backend: row.backend.clone(),
             max_abs: off,
             picture: pictures[i].clone(),
@@ -274,14 +291,15 @@ fn between(hazard: &Hazard, backends: [&str; 2], a: &[Picture], b: &[Picture]) -
     let is_near = apart.max_abs <= TRUTH_MAX_ABS && apart.psnr_db() >= TRUTH_PSNR_DB;
     let pairs = b.iter().zip(a);
     Row {
-        hazard: hazard.name,
+        hazard: hazard.name.into(),
         group: 10,
-        method: Skip::Box.method().name,
+        method: Skip::Box.method().name.into(),
         backend: backends.join(", "),
         lossless: false,
         verdict: if is_near { Verdict::Ok } else { Verdict::Wrong },
         differing_pixels_vs_box: pairs.map(|(b, a)| b.difference(a).pixels).sum(),
         max_abs_diff_vs_box: apart.max_abs,
+        error_vs_reference: None,
         error_vs_truth: None,
         time_vs_box: None,
         change: None,

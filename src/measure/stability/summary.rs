@@ -12,7 +12,7 @@ pub struct Tally {
     /// Rows by verdict: ok, slow, wrong.
     pub rows: [usize; 3],
     /// Hazards in which a lossless method is wrong.
-    pub lossless_wrong: Vec<&'static str>,
+    pub lossless_wrong: Vec<String>,
 }
 
 /// A tally of every group that has a row.
@@ -21,10 +21,10 @@ pub fn tallies(rows: &[Row]) -> Vec<Tally> {
         .filter_map(|group| {
             let rows: Vec<&Row> = rows.iter().filter(|r| r.group == group).collect();
             let count = |verdict| rows.iter().filter(|r| r.verdict == verdict).count();
-            let mut lossless_wrong: Vec<&'static str> = rows
+            let mut lossless_wrong: Vec<String> = rows
                 .iter()
                 .filter(|r| r.lossless && r.verdict == Verdict::Wrong)
-                .map(|r| r.hazard)
+                .map(|r| r.hazard.to_string())
                 .collect();
             lossless_wrong.dedup();
             (!rows.is_empty()).then(|| Tally {
@@ -37,7 +37,7 @@ pub fn tallies(rows: &[Row]) -> Vec<Tally> {
 }
 
 /// The verdict with the number that it rests on.
-fn cell(row: &Row) -> String {
+pub fn cell(row: &Row) -> String {
     match row.verdict {
         Verdict::Slow => format!("slow {:.2}x", row.time_vs_box.unwrap_or_default()),
         Verdict::Ok => row
@@ -45,7 +45,7 @@ fn cell(row: &Row) -> String {
             .map_or_else(|| "ok".to_owned(), |time| format!("ok {time:.2}x")),
         Verdict::Wrong => {
             let off = if row.method == "box" && row.group != 10 {
-                row.error_vs_truth.unwrap_or_default()
+                row.error_vs_reference.unwrap_or_default()
             } else {
                 row.max_abs_diff_vs_box
             };
@@ -62,11 +62,11 @@ pub fn markdown(rows: &[Row], backend: &str) -> String {
     let mut methods: Vec<&str> = Vec::new();
     let mut hazards: Vec<(&str, u8)> = Vec::new();
     for row in &rows {
-        if !methods.contains(&row.method) {
-            methods.push(row.method);
+        if !methods.contains(&&*row.method) {
+            methods.push(&row.method);
         }
-        if !hazards.contains(&(row.hazard, row.group)) {
-            hazards.push((row.hazard, row.group));
+        if !hazards.contains(&(&*row.hazard, row.group)) {
+            hazards.push((&row.hazard, row.group));
         }
     }
     let mut text = format!("| hazard | {} |\n", methods.join(" | "));
@@ -82,7 +82,7 @@ pub fn markdown(rows: &[Row], backend: &str) -> String {
                 let Some(row) = row else {
                     return "–".to_owned();
                 };
-                match row.error_vs_truth {
+                match row.error_vs_reference {
                     Some(error) if method == "box" && row.verdict == Verdict::Ok => {
                         format!("{} {:.3}/255", cell(row), error * 255.0)
                     }

@@ -47,6 +47,15 @@ pub(super) const HAZARDS: &[Hazard] = &[
         make: || Ok(solid()?.through(&through(&[(99.0, 0.0), (100.0, 1.0), (101.0, 0.0)]))),
     },
     Hazard {
+        name: "faint-spike",
+        group: 5,
+        about: "a spike of opacity so low that its slope seems harmless, in data that pass it within a voxel",
+        make: || {
+            let rising = Scenery::from_outside(phantom::make("ramp", [33; 3])?);
+            Ok(rising.through(&through(&[(97.0, 0.0), (100.0, 0.15), (103.0, 0.0)])))
+        },
+    },
+    Hazard {
         name: "spike-at-the-ends",
         group: 5,
         about: "only the first and the last entry of the table are visible",

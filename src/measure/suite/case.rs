@@ -78,14 +78,14 @@ impl Group {
         let edges = self
             .size
             .split(['x', 'X'])
-            .map(|n| n.parse().unwrap_or(512.0));
+            .map(|n| n.parse().map_or(512.0, |n: u32| f64::from(n)));
         let pixels: f64 = edges.clone().product();
         let pixels = if edges.count() == 1 {
             pixels * pixels
         } else {
             pixels
         };
-        let frames = f64::from(suite.scenes[self.scene].views * (2 + self.repeat));
+        let frames = f64::from(suite.scenes[self.scene].views) * (2.0 + f64::from(self.repeat));
         pixels * frames * self.cases.len() as f64
     }
 

@@ -160,6 +160,30 @@ fn usual_size() -> Vec<String> {
     vec!["512x512".to_owned()]
 }
 
+/// Cases that a suite may come to: days of measuring.
+const MAX_CASES: f64 = 10_000.0;
+
+impl Sweep {
+    /// How many cases it comes to at most; those that stand for one another are not taken off.
+    fn cases(&self) -> f64 {
+        [
+            self.scenes.len(),
+            self.backends.len(),
+            self.methods.len(),
+            self.blocks.len(),
+            self.steps.len(),
+            self.samplers.len(),
+            self.classifications.len().max(1),
+            self.modes.len(),
+            self.ert.len(),
+            self.sizes.len(),
+        ]
+        .into_iter()
+        .map(|n| n as f64)
+        .product()
+    }
+}
+
 impl Suite {
     /// Reads a suite.
     ///
@@ -230,6 +254,11 @@ impl Suite {
             }
             check_names(&field("backends"), &sweep.backends, is_backend)?;
             check_names(&field("methods"), &sweep.methods, is_method)?;
+        }
+        let cases = self.sweeps.iter().map(Sweep::cases).sum::<f64>();
+        if cases > MAX_CASES {
+            let reason = format!("{cases} cases; at most {MAX_CASES} are possible");
+            return Err(Error::setting("sweep", reason));
         }
         for (i, picture) in self.pictures.iter().enumerate() {
             let field = |name: &str| format!("picture {}: {name}", i + 1);
@@ -328,6 +357,11 @@ steps = ["0.5"]
                 "sweep 1: scenes: there is no \"cube\"",
             ),
             ("[\"0.5\"]", "[]", "sweep 1: steps: must be at least one"),
+            (
+                "[\"0.5\"]",
+                &format!("[{}]", "\"0.5\", ".repeat(5_001)),
+                "sweep: 10002 cases; at most 10000",
+            ),
             (
                 "phantom:sphere:16",
                 "/data/x.nrrd",

@@ -69,7 +69,7 @@ impl Choice {
 /// A method as users name it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MethodChoice {
-    /// The one that [`Renderer::choose`] chooses.
+    /// The one that [`crate::render::Renderer::choose`] chooses.
     Auto,
     /// This one.
     Only(Skip),

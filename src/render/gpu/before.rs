@@ -18,16 +18,17 @@ pub(super) fn ray_words(job: &Job) -> u32 {
     }
 }
 
-/// Edge of the largest piece of a picture that is drawn at once, whose words must fit a binding.
+/// Bytes of a pixel's colour, and of its counters.
+const PIXEL_BYTES: u64 = 16;
+
+/// Edge of the largest piece of a picture that is drawn at once, whose pixels and words must fit a binding.
 pub(super) fn largest_piece(job: &Job, limits: &wgpu::Limits) -> u32 {
     let largest = MAX_TARGET.min(limits.max_texture_dimension_2d);
-    let bytes_per_pixel = u64::from(ray_words(job)) * 4;
+    let bytes_per_pixel = (u64::from(ray_words(job)) * 4).max(PIXEL_BYTES);
     let bytes = limits
         .max_storage_buffer_binding_size
         .min(limits.max_buffer_size);
-    let Some(pixels) = bytes.checked_div(bytes_per_pixel) else {
-        return largest;
-    };
+    let pixels = bytes / bytes_per_pixel;
     // Whole tiles; a single one is tried whatever it takes.
     (pixels.isqrt() as u32 / 8 * 8).clamp(8, largest)
 }

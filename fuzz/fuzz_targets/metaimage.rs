@@ -1,0 +1,2 @@
+#![no_main]
+libfuzzer_sys::fuzz_target!(|content: &[u8]| hollowcast_fuzz::volume("in.mha", content));
