@@ -128,6 +128,9 @@ impl TransferFunction {
 pub fn opacity_per_step(opacity: f64, ratio: f64) -> f64 {
     if opacity >= 1.0 {
         1.0
+    } else if opacity <= 0.0 {
+        // Also where a reference length is so small that the ratio is infinite.
+        0.0
     } else {
         -f64::exp_m1(ratio * f64::ln_1p(-opacity))
     }
