@@ -377,7 +377,7 @@ impl App {
         for file in dropped {
             self.open(Source::new(&file.path().display().to_string()));
         }
-        super::actions::shortcuts(self, ui);
+        super::shortcuts::take(self, ui);
         status::top(self, ui);
         status::bottom(self, ui);
         panels::left(self, ui);

@@ -2,9 +2,9 @@
 
 use eframe::egui::{Align2, Grid, Key, Modifiers, RichText, ScrollArea, Ui, Window, vec2};
 
-use super::actions::{POINTER, SHORTCUTS};
 use super::app::App;
 use super::path_dialog::{self, PathDialog};
+use super::shortcuts::{POINTER, SHORTCUTS};
 use super::sweep;
 
 /// What is open.

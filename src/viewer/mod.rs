@@ -28,6 +28,7 @@ mod renderers;
 pub mod reply;
 mod rows;
 pub mod session;
+mod shortcuts;
 mod status;
 mod sweep;
 pub mod transfer_panel;

@@ -42,14 +42,20 @@ fn shows_tooltip(context: &Context) -> bool {
     layers.iter().any(|layer| layer.order == Order::Tooltip)
 }
 
-/// Rests the pointer on every control; tells those that say nothing.
-fn silent(window: &mut TestWindow) -> Vec<String> {
+/// Rests the pointer on every control but those of `known`; tells those that say nothing.
+fn silent(window: &mut TestWindow, known: &[(String, Rect)]) -> Vec<String> {
     let mut silent = Vec::new();
-    for (name, rect) in controls(window) {
+    let mut all = controls(window);
+    all.retain(|control| !known.contains(control));
+    for (name, rect) in all {
         window.hover_at(rect.center());
         window.run_steps(2);
-        // The corner of a window closes it, everywhere.
-        if !shows_tooltip(&window.ctx) && !name.contains("Close window") {
+        // The corner of a window closes it, everywhere; and a menu in a menu opens before it could say more than its name.
+        let says_itself = name.contains("Close window") || name.contains("Open recent");
+        if !says_itself && !shows_tooltip(&window.ctx) {
+            window.run_steps(3);
+        }
+        if !says_itself && !shows_tooltip(&window.ctx) {
             silent.push(format!("{name} at {rect:?}"));
         }
     }
@@ -83,7 +89,7 @@ fn every_control_has_a_tooltip() {
         if ["emission-absorption", "mip", "two-surfaces"].contains(&row.name) {
             window.run_steps(3);
             seen += controls(&window).len();
-            assert_eq!(silent(&mut window), none, "{}", row.name);
+            assert_eq!(silent(&mut window, &[]), none, "{}", row.name);
         }
     }
     assert!(seen > 80, "{seen}");
@@ -91,15 +97,20 @@ fn every_control_has_a_tooltip() {
     document.look.mode = (MODES[0].suited_to)(&document.statistics);
     settle(&mut window);
     for menu in ["File", "View", "presets"] {
+        let known = controls(&window);
         window.get_by_label(menu).click();
         window.run_steps(3);
-        assert_eq!(silent(&mut window), none, "{menu}");
+        assert!(controls(&window).len() > known.len(), "{menu}");
+        assert_eq!(silent(&mut window, &known), none, "{menu}");
         window.key_press(eframe::egui::Key::Escape);
         window.run_steps(2);
     }
     for action in [Action::SavePicture, Action::Open, Action::Help] {
+        let known = controls(&window);
         app(&mut window).perform(action);
         window.run_steps(3);
-        assert_eq!(silent(&mut window), none, "{action:?}");
+        assert_eq!(silent(&mut window, &known), none, "{action:?}");
+        app(&mut window).perform(Action::Stop);
+        window.run_steps(2);
     }
 }
