@@ -13,7 +13,7 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum Error {
     /// A file could not be opened, read or written.
-    #[error("{path}: {source}", path = path.display())]
+    #[error("{path}: {source}", path = shown(path))]
     Io {
         /// The file.
         path: PathBuf,
@@ -23,7 +23,7 @@ pub enum Error {
     },
 
     /// A file's content is not what its format asks for.
-    #[error("{path}: {field}: {reason}", path = path.display())]
+    #[error("{path}: {field}: {reason}", path = shown(path))]
     File {
         /// The file.
         path: PathBuf,
@@ -100,10 +100,18 @@ impl Error {
                     | std::io::ErrorKind::NotADirectory
                     | std::io::ErrorKind::AlreadyExists
                     | std::io::ErrorKind::InvalidData
+                    | std::io::ErrorKind::InvalidInput
+                    | std::io::ErrorKind::InvalidFilename
+                    | std::io::ErrorKind::PermissionDenied
             ),
             Self::Gpu(_) | Self::Cancelled => false,
         }
     }
+}
+
+/// A path, which a file's header may have named.
+fn shown(path: &Path) -> String {
+    one_line(path.display().to_string())
 }
 
 /// Reasons may quote a file's own text: what would end the line, or steer a terminal, is escaped.

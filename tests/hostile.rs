@@ -387,6 +387,21 @@ fn what_is_no_volume_is_refused_in_one_line() {
             "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 3\nencoding: raw\ndata file: gone.raw\n",
         ),
         (
+            "zero.nhdr",
+            "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 3\nencoding: raw\ndata file: a\0b.raw\n",
+        ),
+        (
+            "control.nhdr",
+            "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 3\nencoding: raw\ndata file: a\u{b}\u{1b}b.raw\n",
+        ),
+        (
+            "long.mhd",
+            &format!(
+                "NDims = 1\nDimSize = 3\nElementType = MET_UCHAR\nElementDataFile = {}\n",
+                "a".repeat(5000)
+            ),
+        ),
+        (
             "self.nhdr",
             "NRRD0004\ntype: uchar\ndimension: 1\nsizes: 3\nencoding: raw\ndata file: .\n",
         ),
