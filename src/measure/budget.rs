@@ -84,7 +84,7 @@ pub struct Found {
     /// The largest error of all views; the worst that climbing found is among them. As the budget measures it: the largest of
     /// any channel, or (for PSNR) the root of the mean square.
     pub error: f64,
-    /// What other views are expected to stay below: [`Errors::expected`].
+    /// What other views are expected to stay below: [`crate::measure::errors::Errors::expected`].
     pub expected: f64,
     /// Views that errors were measured on.
     pub views: usize,
