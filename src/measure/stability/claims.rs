@@ -128,7 +128,7 @@ impl Finding {
             (_, Some(time), Some((fastest, least))) => {
                 format!("{time:.2} of box's time; {fastest} {least:.2}")
             }
-            _ => "the same picture".to_owned(),
+            _ => format!("off by {:.4}", self.max_abs_diff_vs_box),
         }
     }
 }
