@@ -177,6 +177,8 @@ fn run(shared: &Shared, window: Option<&Gpu>, send: &impl Fn(Reply)) {
         if matches!(done, Err(Error::Gpu(_))) {
             // The device may be lost: it is opened anew, once.
             tracing::warn!("opening the backends anew");
+            // A device tells that it is lost when it is waited for, which a failure may come before.
+            let _ = window.map(Gpu::wait);
             renderers = open();
             done = attempt(&request, (&mut renderers, alive()), shared, send);
         }
