@@ -83,9 +83,9 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
                 }
             }
         }
-        finished = found == 0u && k_found >= ray.k_end;
         if found == 0u {
             k = k_found;
+            finished = k >= ray.k_end;
             break;
         }
         found = min(found, 4u);

@@ -1,65 +1,19 @@
 //! Damaged, lying and hostile files neither panic nor take memory that their content does not back.
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use hollowcast::volume::{RawLayout, Scalar, load, open, read_stored};
 use proptest::prelude::*;
 
-/// Counts what is allocated, and the most that was at any time.
-struct Counting;
+use counting::{BUFFERS, peak_of};
 
-static LIVE: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
-
-fn grew(bytes: usize) {
-    let live = LIVE.fetch_add(bytes, Ordering::Relaxed) + bytes;
-    PEAK.fetch_max(live, Ordering::Relaxed);
-}
-
-// SAFETY: every call is passed on to the system's allocator as it came; only counters are kept beside it. A counting
-// allocator is the only way to see what a reader asks for.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        grew(layout.size());
-        // SAFETY: the caller keeps alloc's contract.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        LIVE.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller keeps dealloc's contract.
-        unsafe { System.dealloc(at, layout) }
-    }
-
-    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        grew(size);
-        LIVE.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller keeps realloc's contract.
-        unsafe { System.realloc(at, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
+#[path = "support/counting.rs"]
+mod counting;
 
 /// One test at a time: the counters are the process's.
 static ALONE: Mutex<()> = Mutex::new(());
-
-/// What reading takes whatever the file: buffers, and bzip2's tables of 900 kB blocks.
-const BUFFERS: usize = 12 << 20;
-
-/// The most bytes that were held while `work` ran beyond those before.
-fn peak_of(work: impl FnOnce()) -> usize {
-    let before = LIVE.load(Ordering::Relaxed);
-    PEAK.store(before, Ordering::Relaxed);
-    work();
-    PEAK.load(Ordering::Relaxed).saturating_sub(before)
-}
 
 /// Opens a file both ways; an error must be one line that names a file in its folder.
 fn try_reading(path: &Path) {
@@ -289,7 +243,7 @@ proptest! {
                 voxels.truncate(cut.index(voxels.len()));
             }
             let path = write(folder.path(), name, &header, &voxels);
-            let peak = peak_of(|| try_reading(&path));
+            let ((), peak) = peak_of(|| try_reading(&path));
             prop_assert!(peak <= BUFFERS, "{}: {} bytes", name, peak);
         }
     }
@@ -322,7 +276,7 @@ fn a_header_that_declares_a_billion_voxels_over_ten_bytes_is_refused_before_memo
                 .into_bytes();
         }
         let path = write(folder.path(), name, &huge, &[7; 10]);
-        let peak = peak_of(|| {
+        let ((), peak) = peak_of(|| {
             let error = open(&path, None).map(|v| v.dims).unwrap_err();
             assert!(error.is_bad_input(), "{error}");
             try_reading(&path);
@@ -353,7 +307,7 @@ fn a_bomb_is_refused_when_it_holds_more_than_it_declares_and_read_no_further_whe
     ] {
         let path = write(folder.path(), "bomb.nrrd", &header(sizes), &bomb);
         // More than deflate could make of it is refused at once; a little less than there is, at its end.
-        let peak = peak_of(|| assert!(open(&path, None).unwrap_err().is_bad_input()));
+        let ((), peak) = peak_of(|| assert!(open(&path, None).unwrap_err().is_bad_input()));
         assert!(peak < most, "{sizes}: {peak} bytes");
     }
     let path = write(folder.path(), "bomb.nrrd", &header("1024 1024 64"), &bomb);

@@ -1,6 +1,7 @@
 //! Damaged transfer functions, profiles, suites and results: one line that says what is wrong, or what can be used; never a
 //! panic.
 
+use hollowcast::Error;
 use hollowcast::measure::profile::Profile;
 use hollowcast::measure::suite::{Results, Suite};
 use hollowcast::transfer::{Domain, TABLE_SIZES, TransferFunction};
@@ -48,6 +49,13 @@ fn damaged(text: &str, at: prop::sample::Index, len: usize, odd: &str) -> String
     format!("{}{odd}{}", &text[..from], &text[to..])
 }
 
+/// A refusal names the input's fault, in one line.
+fn check_refusal(error: &Error) -> Result<(), TestCaseError> {
+    prop_assert!(error.is_bad_input());
+    prop_assert_eq!(error.to_string().lines().count(), 1);
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -59,10 +67,7 @@ proptest! {
         step in prop::sample::select(vec![1e-3, 0.5, 1000.0]),
     ) {
         match TransferFunction::from_toml(&damaged(TABLE, at, len, odd)) {
-            Err(error) => {
-                prop_assert!(error.is_bad_input());
-                prop_assert_eq!(error.to_string().lines().count(), 1);
-            }
+            Err(error) => check_refusal(&error)?,
             Ok(function) => {
                 let volume = phantom::make("full", [1; 3]).unwrap();
                 let domain = Domain::new(&volume, [0.0, 255.0], TABLE_SIZES[0]).unwrap();
@@ -82,10 +87,7 @@ proptest! {
         odd in prop::sample::select(ODD),
     ) {
         match Profile::from_toml(&damaged(PROFILE, at, len, odd)) {
-            Err(error) => {
-                prop_assert!(error.is_bad_input());
-                prop_assert_eq!(error.to_string().lines().count(), 1);
-            }
+            Err(error) => check_refusal(&error)?,
             Ok(profile) => prop_assert_eq!(Profile::from_toml(&profile.to_toml("")).unwrap(), profile),
         }
     }
@@ -97,10 +99,7 @@ proptest! {
         odd in prop::sample::select(ODD),
     ) {
         match Suite::from_toml(&damaged(SUITE, at, len, odd)) {
-            Err(error) => {
-                prop_assert!(error.is_bad_input());
-                prop_assert_eq!(error.to_string().lines().count(), 1);
-            }
+            Err(error) => check_refusal(&error)?,
             Ok(suite) => {
                 for group in suite.groups() {
                     prop_assert!(!group.weight(&suite).is_nan());
@@ -127,10 +126,7 @@ proptest! {
         let path = folder.path().join("results.jsonl");
         std::fs::write(&path, damaged(RESULTS, at, len, odd)).unwrap();
         match Results::read(&path) {
-            Err(error) => {
-                prop_assert!(error.is_bad_input());
-                prop_assert_eq!(error.to_string().lines().count(), 1);
-            }
+            Err(error) => check_refusal(&error)?,
             Ok(results) => {
                 let page = folder.path().join("page.html");
                 hollowcast::report::write(&[results], None, &page).unwrap();

@@ -1,8 +1,7 @@
 //! The B-spline sampler: bounded by its 64 voxels, so that skipping with two voxels of apron changes no bit; near the f64
 //! reference. These tests fail, not skip, where there is no adapter.
 
-use std::path::Path;
-use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 use hollowcast::lattice::Clipping;
 use hollowcast::measure::metrics::metrics;
@@ -13,36 +12,16 @@ use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::{Sampler, bspline, cell};
 use hollowcast::skip::{Cuts, Skip};
 use hollowcast::transfer::TransferFunction;
-use hollowcast::volume::{self, Statistics, Volume, Voxels, phantom};
+use hollowcast::volume::{Statistics, Volume, Voxels, phantom};
+use support::{check_bits, renderer, shipped, show};
 
-/// One renderer for all tests: devices are dear on a software driver.
-fn gpu() -> MutexGuard<'static, Renderer> {
-    static RENDERER: LazyLock<Mutex<Renderer>> = LazyLock::new(|| {
-        let renderer = Renderer::new(BackendChoice::Gpu);
-        Mutex::new(renderer.expect("these tests need an adapter: mesa-vulkan-drivers"))
-    });
-    RENDERER.lock().unwrap_or_else(PoisonError::into_inner)
-}
+mod support;
 
 /// Methods that share one compiled marcher with box: compiling 64 loads for each mode is dear.
 const METHODS: [Skip; 4] = [Skip::Hull, Skip::HalfSplit, Skip::KCuts, Skip::BeamMasks];
 
-fn shipped(name: &str) -> Arc<Volume> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("data")
-        .join(name);
-    Arc::new(volume::open(&path, None).unwrap())
-}
-
 fn made(name: &str, dims: [usize; 3]) -> Arc<Volume> {
     Arc::new(phantom::make(name, dims).unwrap())
-}
-
-fn show(renderer: &mut Renderer, volume: &Arc<Volume>) -> TransferFunction {
-    let transfer = TransferFunction::from_spec("translucent", &Statistics::of(volume)).unwrap();
-    renderer.set_volume(Arc::clone(volume)).unwrap();
-    renderer.set_transfer(transfer.clone());
-    transfer
 }
 
 fn modes(volume: &Volume) -> Vec<Mode> {
@@ -54,35 +33,25 @@ fn modes(volume: &Volume) -> Vec<Mode> {
 }
 
 fn check(renderer: &mut Renderer, volume: &Arc<Volume>, sampler: Sampler, modes: &[Mode]) {
-    let transfer = show(renderer, volume);
+    let transfer = show([&mut *renderer], volume);
     for mode in modes {
         for view in View::ALL {
-            let outcomes = Verifier::new(renderer, volume, &transfer, Cuts::default(), [28, 24])
+            let verifier = Verifier::new(renderer, volume, &transfer, Cuts::default(), [28, 24])
                 .with_mode(*mode)
-                .with_methods(METHODS.to_vec())
-                .run(&Case {
-                    view,
-                    is_parallel: view == View::Outside,
-                    block: 4,
-                    step_edges: 0.03,
-                    ert: 0.98,
-                    sampler,
-                })
-                .unwrap();
-            for outcome in outcomes {
-                assert_eq!(
-                    outcome.differing_pixels, 0,
-                    "{} {mode:?} {view:?}: {outcome:?}",
-                    volume.name
-                );
-            }
+                .with_methods(METHODS.to_vec());
+            check_bits(
+                verifier,
+                view,
+                sampler,
+                &format!("{} {mode:?}", volume.name),
+            );
         }
     }
 }
 
 #[test]
 fn skipping_changes_no_bit_in_any_mode() {
-    let mut renderer = gpu();
+    let mut renderer = renderer();
     for volume in [
         made("pot", [26, 24, 28]),
         made("noise", [24; 3]),
@@ -121,7 +90,7 @@ fn points_that_only_the_second_voxel_of_the_apron_knows_are_drawn() {
         voxels: Voxels::U8(voxels.into()),
         ..phantom::make("empty", [n; 3]).unwrap()
     });
-    let mut renderer = gpu();
+    let mut renderer = renderer();
     renderer.set_volume(Arc::clone(&volume)).unwrap();
     let transfer = TransferFunction::from_spec("ramp:0:60:0.3", &Statistics::of(&volume)).unwrap();
     renderer.set_transfer(transfer.clone());
@@ -146,11 +115,10 @@ fn points_that_only_the_second_voxel_of_the_apron_knows_are_drawn() {
 
 #[test]
 fn pictures_are_within_60_db_of_the_reference() {
-    let mut renderer = gpu();
+    let mut renderer = renderer();
     let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
     for volume in [made("pot", [36, 32, 40]), shipped("qim3d_shell.nrrd")] {
-        let transfer = show(&mut renderer, &volume);
-        show(&mut reference, &volume);
+        let transfer = show([&mut *renderer, &mut reference], &volume);
         for mode in modes(&volume) {
             let settings = Settings {
                 skip: Skip::BeamMasks,
@@ -228,7 +196,7 @@ fn weights_are_those_of_the_cubic_b_spline() {
 fn the_cpu_backend_refuses_it_in_one_line() {
     let mut cpu = Renderer::new(BackendChoice::Cpu).unwrap();
     let volume = made("pot", [16; 3]);
-    let transfer = show(&mut cpu, &volume);
+    let transfer = show([&mut cpu], &volume);
     let error = cpu
         .render(&Settings {
             sampler: Some(Sampler::Tricubic),

@@ -1,50 +1,15 @@
 //! What the fuzz targets share: a folder for their files, and what is asked of every answer.
 
-use std::alloc::{GlobalAlloc, Layout, System};
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use hollowcast::Result;
 
-/// Counts what is allocated, and the most that was at any time.
-struct Counting;
+use counting::{BUFFERS, peak_of};
 
-static LIVE: AtomicUsize = AtomicUsize::new(0);
-static PEAK: AtomicUsize = AtomicUsize::new(0);
+#[path = "../../tests/support/counting.rs"]
+mod counting;
 
-fn grew(bytes: usize) {
-    let live = LIVE.fetch_add(bytes, Ordering::Relaxed) + bytes;
-    PEAK.fetch_max(live, Ordering::Relaxed);
-}
-
-// SAFETY: every call is passed on to the system's allocator as it came; only counters are kept beside it.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        grew(layout.size());
-        // SAFETY: the caller keeps alloc's contract.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        LIVE.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller keeps dealloc's contract.
-        unsafe { System.dealloc(at, layout) }
-    }
-
-    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        grew(size);
-        LIVE.fetch_sub(layout.size(), Ordering::Relaxed);
-        // SAFETY: the caller keeps realloc's contract.
-        unsafe { System.realloc(at, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-/// What reading takes whatever the input: buffers, and bzip2's tables of 900 kB blocks.
-const BUFFERS: usize = 12 << 20;
 /// What deflate can make of a byte, twice: as it is unpacked and as it is kept.
 const PER_BYTE: usize = 2 * 1032;
 
@@ -53,10 +18,7 @@ const PER_BYTE: usize = 2 * 1032;
 /// # Panics
 /// Where it does: that is what the fuzzer looks for.
 pub fn answers<T>(bytes: usize, read: impl FnOnce() -> Result<T>) -> Option<T> {
-    let before = LIVE.load(Ordering::Relaxed);
-    PEAK.store(before, Ordering::Relaxed);
-    let answer = read();
-    let peak = PEAK.load(Ordering::Relaxed).saturating_sub(before);
+    let (answer, peak) = peak_of(read);
     assert!(
         peak <= BUFFERS + PER_BYTE * bytes,
         "{peak} bytes were taken for an input of {bytes}"

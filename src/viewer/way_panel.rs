@@ -35,38 +35,28 @@ pub(super) fn show(ui: &mut Ui, salt: &str, way: &mut Way, mode: &Mode) {
             [suited].into_iter().chain(samplers),
         );
         if mode.takes_table() {
-            let all = Classification::ALL
-                .iter()
-                .map(|&c| (c, c.name().to_owned(), classification_tip(c).to_owned()));
-            let shown = way.classification.name();
-            choice(
+            let words = (
+                "classification",
+                "classified",
+                "when samples get their colour",
+            );
+            let told = [Classification::name, classification_tip];
+            named(
                 ui,
-                (
-                    "classification",
-                    "classified",
-                    "when samples get their colour",
-                ),
+                words,
                 &mut way.classification,
-                shown,
-                all,
+                Classification::ALL,
+                told,
             );
         }
         if mode.takes_gradients() {
-            let all = Gradients::ALL
-                .iter()
-                .map(|&g| (g, g.name().to_owned(), gradients_tip(g).to_owned()));
-            let shown = way.gradients.name();
-            choice(
-                ui,
-                (
-                    "gradients",
-                    "gradients",
-                    "where the gradients that light is reflected by come from",
-                ),
-                &mut way.gradients,
-                shown,
-                all,
+            let words = (
+                "gradients",
+                "gradients",
+                "where the gradients that light is reflected by come from",
             );
+            let told = [Gradients::name, gradients_tip];
+            named(ui, words, &mut way.gradients, Gradients::ALL, told);
         }
         row(
             ui,
@@ -87,18 +77,25 @@ pub(super) fn show(ui: &mut Ui, salt: &str, way: &mut Way, mode: &Mode) {
             "opacity at which a ray stops; 1: never",
             |ui| ui.add(Slider::new(&mut way.ert, 0.5..=1.0).max_decimals(3)),
         );
-        let backends = BackendChoice::ALL
-            .iter()
-            .map(|&b| (b, b.name().to_owned(), backend_tip(b).to_owned()));
-        let shown = way.backend.name();
-        choice(
-            ui,
-            ("backend", "drawn by", "what draws"),
-            &mut way.backend,
-            shown,
-            backends,
-        );
+        let words = ("backend", "drawn by", "what draws");
+        let told = [BackendChoice::name, backend_tip];
+        named(ui, words, &mut way.backend, BackendChoice::ALL, told);
     });
+}
+
+/// A choice among all there are, each by its name.
+fn named<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    words: (&str, &str, &str),
+    value: &mut T,
+    all: &[T],
+    [name, tip]: [fn(T) -> &'static str; 2],
+) {
+    let shown = name(*value);
+    let all = all
+        .iter()
+        .map(|&one| (one, name(one).to_owned(), tip(one).to_owned()));
+    choice(ui, words, value, shown, all);
 }
 
 /// Rays or slices.

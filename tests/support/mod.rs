@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use glam::{DVec3, Vec3Swizzles as _};
 use hollowcast::camera::{Camera, Orbit, Projection};
 use hollowcast::measure::metrics::metrics;
+use hollowcast::measure::verify::{Case, Verifier, View};
 use hollowcast::mode::{Light, MODES, Mode};
 use hollowcast::render::{BackendChoice, Renderer, Settings};
 use hollowcast::sample::Sampler;
@@ -40,6 +41,21 @@ pub(crate) fn show<'a>(
         renderer.set_transfer(transfer.clone());
     }
     transfer
+}
+
+/// Holds a verifier's methods to box's bits from a place.
+pub(crate) fn check_bits(mut verifier: Verifier, view: View, sampler: Sampler, told: &str) {
+    let case = Case {
+        view,
+        is_parallel: view == View::Outside,
+        block: 4,
+        step_edges: 0.03,
+        ert: 0.98,
+        sampler,
+    };
+    for outcome in verifier.run(&case).unwrap() {
+        assert_eq!(outcome.differing_pixels, 0, "{told} {view:?}: {outcome:?}");
+    }
 }
 
 pub(crate) fn settings(mode: Mode, camera: Camera) -> Settings {
