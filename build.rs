@@ -1,7 +1,11 @@
-//! Notes of which commit, and with which wgpu, the crate is built: for reports of measurements.
+//! Notes of which commit, and with which wgpu, the crate is built, for reports of measurements; and what its sources hash
+//! to, by which caches know what another build left there.
 //!
 //! Run again only when what is compiled changes, which builds the crate anyway; a commit alone rebuilds nothing.
 
+use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::io;
 use std::path::Path;
 use std::process::Command;
 
@@ -11,6 +15,11 @@ fn main() {
     }
     let root = std::env::var("CARGO_MANIFEST_DIR").unwrap_or_default();
     let root = Path::new(&root);
+    let mut hasher = DefaultHasher::new();
+    for folder in ["src", "shaders"] {
+        hash_folder(&root.join(folder), &mut hasher).expect("the crate's own sources are there");
+    }
+    println!("cargo::rustc-env=HOLLOWCAST_BUILD={:016x}", hasher.finish());
     let commit = from_git(root).or_else(|| from_package(root));
     if let Some(commit) = commit {
         println!("cargo::rustc-env=HOLLOWCAST_COMMIT={commit}");
@@ -18,6 +27,21 @@ fn main() {
     if let Some(version) = locked_version(root, "wgpu") {
         println!("cargo::rustc-env=HOLLOWCAST_WGPU={version}");
     }
+}
+
+/// Names and contents of all files below, in the order of their names.
+fn hash_folder(folder: &Path, hasher: &mut DefaultHasher) -> io::Result<()> {
+    let mut entries = fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
+    entries.sort_by_key(fs::DirEntry::file_name);
+    for entry in entries {
+        entry.file_name().hash(hasher);
+        if entry.file_type()?.is_dir() {
+            hash_folder(&entry.path(), hasher)?;
+        } else {
+            fs::read(entry.path())?.hash(hasher);
+        }
+    }
+    Ok(())
 }
 
 /// The commit that is checked out, with `-dirty` where files differ from it.

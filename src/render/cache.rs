@@ -3,8 +3,18 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+/// A hash of the crate's sources. What was found out by other sources, of other shaders and methods, says nothing of these.
+const BUILD: &str = env!("HOLLOWCAST_BUILD");
+
+/// A value with the build that found it out.
+#[derive(Serialize, Deserialize)]
+struct Kept<T> {
+    build: String,
+    found: T,
+}
 
 /// The file of this name in `$XDG_CACHE_HOME/hollowcast` or `~/.cache/hollowcast`.
 pub(crate) fn file(name: &str) -> Option<PathBuf> {
@@ -17,10 +27,13 @@ pub(crate) fn file(name: &str) -> Option<PathBuf> {
     Some(folder.join("hollowcast").join(name))
 }
 
-/// What a file holds; nothing where it is missing, broken or someone else's.
+/// What a file holds; nothing where it is missing, broken, another build's or someone else's.
 pub(super) fn read<T: DeserializeOwned + Default>(path: &Path) -> T {
     let text = std::fs::read_to_string(path).unwrap_or_default();
-    serde_json::from_str(&text).unwrap_or_default()
+    let kept: Option<Kept<T>> = serde_json::from_str(&text).ok();
+    kept.filter(|kept| kept.build == BUILD)
+        .map(|kept| kept.found)
+        .unwrap_or_default()
 }
 
 /// Keeps a value; a cache that cannot be written costs the next start some work, nothing else.
@@ -31,10 +44,32 @@ pub(super) fn write(path: &Path, value: &impl Serialize) {
         }
         // Renamed into place, so that a second process never reads half a file.
         let unfinished = path.with_extension(format!("{}.unfinished", std::process::id()));
-        std::fs::write(&unfinished, serde_json::to_string_pretty(value)?)?;
+        let kept = Kept {
+            build: BUILD.to_owned(),
+            found: value,
+        };
+        std::fs::write(&unfinished, serde_json::to_string_pretty(&kept)?)?;
         std::fs::rename(&unfinished, path)
     };
     if let Err(error) = save() {
         tracing::debug!("{}: {error}", path.display());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_another_build_found_out_is_not_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("found.json");
+        write(&path, &vec![3u32]);
+        assert_eq!(read::<Vec<u32>>(&path), [3]);
+        let text = std::fs::read_to_string(&path).unwrap();
+        let other = text.replace(BUILD, "0123456789abcdef");
+        assert_ne!(text, other);
+        std::fs::write(&path, other).unwrap();
+        assert!(read::<Vec<u32>>(&path).is_empty());
     }
 }

@@ -29,19 +29,7 @@ type Outcomes = BTreeMap<String, Vec<String>>;
 /// As [`Renderer::render`].
 pub(super) fn withdrawn(renderer: &mut Renderer, kept: Option<&Path>) -> Result<Vec<Skip>> {
     let info = renderer.info();
-    // Another version of the program has other shaders, methods, samplers and modes: what was found of those says nothing
-    // of these.
-    let tried: Vec<&str> = candidates().map(|m| m.name).collect();
-    let samplers = Sampler::ALL.iter().map(|s| s.name());
-    let others: Vec<&str> = other_modes().map(|row| row.name).chain(samplers).collect();
-    let key = format!(
-        "{} | {} | hollowcast {} | {} | {}",
-        info.adapter,
-        info.driver,
-        env!("CARGO_PKG_VERSION"),
-        tried.join(" "),
-        others.join(" "),
-    );
+    let key = format!("{} | {}", info.adapter, info.driver);
     let mut outcomes: Outcomes = kept.map(cache::read).unwrap_or_default();
     let names = if let Some(names) = outcomes.get(&key) {
         names.clone()

@@ -33,7 +33,7 @@ pub const CLAIMS: [Claim; 9] = [
     Claim {
         method: "adaptive",
         hazard: "faint-spike",
-        about: "steps over a spike that rises less than its slope asks for",
+        about: "steps over a spike whose slope is gentle only beside the steepest",
     },
     Claim {
         method: "octree-encoded",

@@ -49,10 +49,19 @@ pub(super) const HAZARDS: &[Hazard] = &[
     Hazard {
         name: "faint-spike",
         group: 5,
-        about: "a spike of opacity so low that its slope seems harmless, in data that pass it within a voxel",
+        about: "a spike of opacity that is faint beside another material's, in data that pass it within a voxel",
         make: || {
             let rising = Scenery::from_outside(phantom::make("ramp", [33; 3])?);
-            Ok(rising.through(&through(&[(97.0, 0.0), (100.0, 0.15), (103.0, 0.0)])))
+            let spike_and_wall = through(&[
+                (97.0, 0.0),
+                (100.0, 0.15),
+                (103.0, 0.0),
+                (200.0, 0.0),
+                (210.0, 1.0),
+            ]);
+            Ok(rising
+                .through(&spike_and_wall)
+                .with(|s| s.step_voxels = 0.25))
         },
     },
     Hazard {

@@ -64,6 +64,7 @@ struct Probe {
 
 /// Frames that differ in everything that costs: pixels, samples, segments, faces, early termination.
 const PROBES: &[Probe] = &[
+    // Nothing is launched but by box.
     Probe {
         phantom: "empty",
         voxels: 32,
@@ -72,13 +73,22 @@ const PROBES: &[Probe] = &[
         block: 8,
         opacity: 0.3,
     },
+    // Hardly a sample: rays and their steps are all that there is.
     Probe {
-        phantom: "empty",
+        phantom: "thin",
+        voxels: 96,
+        pixels: 128,
+        step_voxels: 6.0,
+        block: 4,
+        opacity: 0.1,
+    },
+    Probe {
+        phantom: "thin",
         voxels: 64,
-        pixels: 64,
-        step_voxels: 0.5,
-        block: 8,
-        opacity: 0.3,
+        pixels: 160,
+        step_voxels: 4.0,
+        block: 16,
+        opacity: 0.1,
     },
     Probe {
         phantom: "sphere",
@@ -179,14 +189,17 @@ pub(super) fn calibration(renderer: &mut Renderer, kind: &Kind) -> Result<Calibr
     methods.dedup();
     let names: Vec<&str> = methods.iter().map(|s| s.method().name).collect();
     let info = renderer.info();
-    // Another build of the program has other shaders, and a debug build other times.
+    // A debug build has other times.
     let key = format!(
-        "{} | {} | {} | hollowcast {}{} | {} | {}",
+        "{} | {} | {}{} | {} | {}",
         info.backend,
         info.adapter,
         info.driver,
-        env!("CARGO_PKG_VERSION"),
-        if cfg!(debug_assertions) { " debug" } else { "" },
+        if cfg!(debug_assertions) {
+            " | debug"
+        } else {
+            ""
+        },
         kind.words(),
         names.join(" "),
     );

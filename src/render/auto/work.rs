@@ -169,7 +169,7 @@ impl<'a> Bundle<'a> {
     }
 
     /// The work of a frame by this choice over the occupancy of its block size; `None` where nothing is known of how the
-    /// method finds its segments. `coarse` tells the tiles that hulls launch.
+    /// method finds its segments. `coarse` tells the tiles that a GPU launches.
     pub(super) fn work(
         &self,
         backend: &str,
@@ -200,10 +200,14 @@ impl<'a> Bundle<'a> {
                 ..work
             });
         }
+        // Tiles of a GPU's picture whose beams meet nothing are not launched, but for box.
+        let launched = (backend == "gpu" && choice.skip != Skip::Box).then_some(coarse);
         if choice.skip == Skip::DistanceMap {
             let map = level.distances.get_or_init(|| DistanceMap::new(occupancy));
             let bound = Bound::by(level.majorants.as_ref());
-            self.along_rays(&mut work, |ray| Box::new(map.segments(*ray, bound)));
+            self.along_rays(launched, &mut work, |ray| {
+                Box::new(map.segments(*ray, bound))
+            });
             return Some(self.of_all_pixels(work));
         }
         let planes = self.planes(choice, level, cut_samples);
@@ -214,24 +218,22 @@ impl<'a> Bundle<'a> {
             None => plan,
         };
         // Beams of tiles are followed above; no other lossless method asks which pixel it is or what shows.
-        self.along_rays(&mut work, |ray| plan.segments(ray, [0; 2], &|_| false));
+        self.along_rays(launched, &mut work, |ray| {
+            plan.segments(ray, [0; 2], &|_| false)
+        });
+        if choice.skip == Skip::SegmentList {
+            let walk = Plan::new(Skip::GridDda, occupancy, frame).ok()?;
+            work.steps += self.steps_of_listing(launched, &walk);
+        }
         let is_rasterised =
             backend == "gpu" && matches!(choice.skip, Skip::Hull | Skip::HalfSplit | Skip::KCuts);
         if !is_rasterised {
             return Some(self.of_all_pixels(work));
         }
-        // Hulls are rasterised: front and back of each part, in tiles that have something in them.
+        // Hulls are rasterised: front and back of each part.
         let parts = planes.as_slice().len() + 1;
         work.cleared += 2.0 * parts as f64;
-        let mut runs = TileRuns::default();
         for ray in &self.rays {
-            let [x, y] = ray.tile.clone();
-            coarse
-                .masks
-                .find(self.scene.frame, x, y, Collapse::Hull, &mut runs);
-            if runs.is_empty() && ray.ray.k_near < ray.ray.k_end {
-                work.launched -= 1.0 / self.rays.len() as f64;
-            }
             work.fragments += 2.0 * entries(&ray.ray, occupancy) / self.rays.len() as f64;
         }
         let work = self.of_all_pixels(work);
@@ -253,24 +255,51 @@ impl<'a> Bundle<'a> {
         )
     }
 
+    /// The rays that meet the box, in tiles whose beams meet what is active in `launched`, or in all.
+    fn launched_rays(&self, launched: Option<&Level>) -> impl Iterator<Item = &BundleRay> {
+        let mut runs = TileRuns::default();
+        self.rays.iter().filter(move |bundled| {
+            let [x, y] = bundled.tile.clone();
+            bundled.ray.k_near < bundled.ray.k_end
+                && launched.is_none_or(|level| {
+                    let frame = self.scene.frame;
+                    level.masks.find(frame, x, y, Collapse::Hull, &mut runs);
+                    !runs.is_empty()
+                })
+        })
+    }
+
+    /// Blocks that a pixel's ray walks through while its segments are listed: as far as there are any, whatever its march
+    /// will come to.
+    fn steps_of_listing(&self, launched: Option<&Level>, walk: &Plan) -> f64 {
+        let share = 1.0 / self.rays.len() as f64;
+        let steps = self.launched_rays(launched).map(|bundled| {
+            let mut segments = walk.segments(&bundled.ray, [0; 2], &|_| false);
+            let mut k = 0;
+            while let Some(segment) = segments.next(k, f64::NAN) {
+                k = segment.end;
+            }
+            f64::from(segments.steps()) * share
+        });
+        steps.sum()
+    }
+
     /// Adds what a method does per pixel whose rays find their own segments.
     fn along_rays<'s>(
         &self,
+        launched: Option<&Level>,
         work: &mut Work,
         segments: impl Fn(&Ray<f64>) -> Box<dyn Segments + 's>,
     ) {
         let share = 1.0 / self.rays.len() as f64;
         let is_kept = self.scene.mode.keeps_highest();
-        for bundled in &self.rays {
+        for bundled in self.launched_rays(launched) {
             let BundleRay {
                 ray,
                 end,
                 contributing,
                 ..
             } = bundled;
-            if ray.k_end <= ray.k_near {
-                continue;
-            }
             let mut segments = segments(ray);
             let mut samples = 0;
             let mut k = ray.k_near as u32;
