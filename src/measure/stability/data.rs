@@ -1,11 +1,13 @@
 //! Group 6: data that leave nothing to skip, or nothing easy.
 
+use glam::DVec3;
+
 use super::Hazard;
 use super::scenery::{Scenery, ramp};
 use super::volumes::{MATTER, bytes, carved, case, cavity, one_per_block, shells, spiral};
 use crate::error::Result;
 use crate::skip::segment_list::MOST_SEGMENTS;
-use crate::volume::phantom;
+use crate::volume::{Volume, phantom};
 
 pub(super) const HAZARDS: &[Hazard] = &[
     Hazard {
@@ -93,26 +95,29 @@ pub(super) const HAZARDS: &[Hazard] = &[
     Hazard {
         name: "time-cavity-in-one-half",
         group: 6,
-        about: "time: a solid block whose one cavity takes most of the far half, so that both halves' hulls are the block",
+        about: "time: two thin walls in one half with a cavity between them, and nothing in the other half",
         make: || {
-            let inside = |i: usize, to: usize| (3..to).contains(&i);
-            let hollow = carved("cavity in one half", TIMED, |[x, y, z]| {
-                !(inside(z, TIMED / 2 - 3) && inside(x, TIMED - 3) && inside(y, TIMED - 3))
+            let walls = carved("walls in one half", TIMED, |[_, _, z]| {
+                [2, TIMED / 2 - 6]
+                    .iter()
+                    .any(|wall| (*wall..wall + 2).contains(&z))
             });
-            Ok(Scenery::timed(hollow).through(&ramp(40.0, 255.0, 0.01)))
+            Ok(Scenery::timed(walls).through(&ramp(40.0, 255.0, 0.01)))
         },
     },
     Hazard {
         name: "time-many-sheets",
         group: 6,
-        about: "time: more sheets on a ray than lists of segments have slots",
+        about: "time: more than twice as many sheets on a ray as lists of segments have slots",
         make: || {
-            let dims = [TIMED, TIMED, 6 * (MOST_SEGMENTS + 8)];
-            let sheets = bytes(
-                "sheets",
-                dims,
-                |[_, _, z]| if z % 6 == 0 { MATTER } else { 0 },
-            );
+            const APART: usize = 10;
+            let sheet = |z| if z % APART == 0 { MATTER } else { 0 };
+            let dims = [36, 36, APART * (2 * MOST_SEGMENTS + 8)];
+            let sheets = Volume {
+                // As wide as deep, so that rays cross all of them.
+                spacing: DVec3::new(11.0, 11.0, 1.0),
+                ..bytes("sheets", dims, |[_, _, z]| sheet(z))
+            };
             Ok(Scenery::timed(sheets)
                 .through(&ramp(40.0, 255.0, 0.02))
                 .with(|s| s.block = 2))
