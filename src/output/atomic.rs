@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 
-/// Writes a file through a sibling that takes its name only once it is complete.
+/// Writes a file through a sibling that takes its name only once it is complete. Of a link, the file that it leads to is
+/// written; what is no file (a pipe, a device) is written to as it is.
 ///
 /// # Errors
 /// [`Error::Io`] about `path`, whatever failed; the sibling is removed and an older file of that name left untouched.
@@ -15,7 +16,16 @@ pub fn write_atomically(
     fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
 ) -> Result<()> {
     let attempt = || {
-        let sibling = sibling(path)?;
+        let target = match fs::metadata(path) {
+            Ok(there) if there.is_file() => fs::canonicalize(path)?,
+            Ok(there) if there.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+            Ok(_) => {
+                let mut writer = BufWriter::new(OpenOptions::new().write(true).open(path)?);
+                return fill(&mut writer).and_then(|()| writer.flush());
+            }
+            Err(_) => path.to_owned(),
+        };
+        let sibling = sibling(&target)?;
         let file = OpenOptions::new()
             .write(true)
             .create_new(true)
@@ -23,7 +33,7 @@ pub fn write_atomically(
         let mut writer = BufWriter::new(file);
         let written = fill(&mut writer)
             .and_then(|()| writer.flush())
-            .and_then(|()| fs::rename(&sibling, path));
+            .and_then(|()| fs::rename(&sibling, &target));
         if written.is_err() {
             // The first error is the one to report.
             let _ = fs::remove_file(&sibling);
@@ -62,6 +72,28 @@ mod tests {
         write_atomically(&path, |file| file.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_links_and_what_is_no_file_stays_what_it_is() {
+        use std::os::unix::fs::{FileTypeExt, symlink};
+        use std::os::unix::net::UnixListener;
+
+        let folder = tempfile::tempdir().unwrap();
+        let [file, link] = ["picture.png", "latest.png"].map(|name| folder.path().join(name));
+        fs::write(&file, "old").unwrap();
+        symlink(&file, &link).unwrap();
+        write_atomically(&link, |file| file.write_all(b"new")).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
+
+        // Not a pipe: opening one waits for a reader.
+        let socket = folder.path().join("socket");
+        let _listener = UnixListener::bind(&socket).unwrap();
+        assert!(write_atomically(&socket, |file| file.write_all(b"new")).is_err());
+        assert!(fs::metadata(&socket).unwrap().file_type().is_socket());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
     }
 
     #[test]

@@ -1,12 +1,15 @@
 //! Writing a volume as an attached NRRD.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::Write;
 use std::path::Path;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
 
 use super::nrrd::{INTERCEPT_KEY, SLOPE_KEY};
 use super::{Rescale, Volume};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::output::write_atomically;
 
 /// How a written file holds its voxels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,35 +27,18 @@ pub enum Packing {
 /// # Errors
 /// [`Error::Io`] where the file cannot be written.
 pub fn write_nrrd(volume: &Volume, path: &Path, packing: Packing) -> Result<()> {
-    let name = path
-        .file_name()
-        .ok_or_else(|| Error::file(path, "file", "has no name to write to"))?;
-    let mut part = std::ffi::OsString::from(".");
-    part.push(name);
-    part.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(part);
-    let written = write(volume, &part, packing).and_then(|()| std::fs::rename(&part, path));
-    written.map_err(|e| {
-        // What is left of the attempt is of no use; that it cannot be removed either adds nothing to the reason.
-        let _ = std::fs::remove_file(&part);
-        Error::io(path, e)
-    })
-}
-
-fn write(volume: &Volume, path: &Path, packing: Packing) -> io::Result<()> {
-    let file = File::create_new(path)?;
-    let mut out = BufWriter::with_capacity(1 << 20, file);
-    out.write_all(header(volume, packing).as_bytes())?;
-    let voxels = volume.voxels.as_bytes();
-    match packing {
-        Packing::Raw => out.write_all(voxels)?,
-        Packing::Gzip => {
-            let mut packer = flate2::write::GzEncoder::new(&mut out, flate2::Compression::new(6));
-            packer.write_all(voxels)?;
-            packer.finish()?;
+    write_atomically(path, |out| {
+        out.write_all(header(volume, packing).as_bytes())?;
+        let voxels = volume.voxels.as_bytes();
+        match packing {
+            Packing::Raw => out.write_all(voxels),
+            Packing::Gzip => {
+                let mut packer = GzEncoder::new(out, Compression::new(6));
+                packer.write_all(voxels)?;
+                packer.finish().map(|_| ())
+            }
         }
-    }
-    out.into_inner()?.sync_all()
+    })
 }
 
 fn header(volume: &Volume, packing: Packing) -> String {
