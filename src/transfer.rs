@@ -297,6 +297,16 @@ impl Table {
         self.visible_before[end] != self.visible_before[first]
     }
 
+    /// Whether entries that show something lie between ones that do not: what two samples on either side step over.
+    pub fn has_peaks(&self) -> bool {
+        let is_hidden = |entry: &[f32; 4]| entry.iter().all(|&c| c == 0.0);
+        let first = self.rgba.iter().position(is_hidden);
+        let last = self.rgba.iter().rposition(is_hidden);
+        first
+            .zip(last)
+            .is_some_and(|(first, last)| self.visible_before[last] != self.visible_before[first])
+    }
+
     /// Whether the same entries are visible as in `other`: then what was culled for one holds for both.
     pub fn shows_the_same_as(&self, other: &Self) -> bool {
         self.domain == other.domain && self.visible_before == other.visible_before

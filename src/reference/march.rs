@@ -8,6 +8,7 @@ use crate::sample::pre_integrated::Integrals;
 use crate::sample::{Classification, Gradients, Sampler, bspline, cell, gradients, trilinear};
 use crate::scene::{Counters, Scene};
 use crate::skip::Plan;
+use crate::transfer::Table;
 
 /// All that the pixels of one picture share.
 pub(super) struct Marcher<'a, V, C> {
@@ -138,6 +139,32 @@ impl<'a, V: Copy + Into<f64>, C: Classes> Marcher<'a, V, C> {
             counters,
             first_hit,
         }
+    }
+
+    /// Whether samples in a row at a place of the picture show nothing by `table` but have visible values between theirs.
+    pub(super) fn steps_over(&self, [x, y]: [f64; 2], table: &Table) -> bool {
+        let ray = self.basis.ray(x, y);
+        let pixel = [x.round() as u32, y.round() as u32];
+        let mut segments = self.plan.segments(&ray, pixel, &|_| true);
+        let mut end = 0;
+        while let Some(segment) = segments.next(end, f64::NAN) {
+            end = segment.end;
+            // With the samples on either side: what is left out ends between two.
+            let first = segment.start.saturating_sub(1);
+            let mut before = self.sample(ray.at(f64::from(first)));
+            for k in first + 1..=end.min(ray.k_end as u32) {
+                let x = self.sample(ray.at(f64::from(k)));
+                let is_hidden = |x: f64| !table.is_visible(x..=x);
+                if table.is_visible(before.min(x)..=before.max(x))
+                    && is_hidden(before)
+                    && is_hidden(x)
+                {
+                    return true;
+                }
+                before = x;
+            }
+        }
+        false
     }
 
     /// Premultiplied colour and opacity of sample `k`, of table coordinate `x`.

@@ -101,6 +101,9 @@ pub struct Traced {
     /// Distance along the ray, from its start, to the first contributing sample, in local units; infinite where there is
     /// none.
     pub first_hit: f64,
+    /// Whether two samples in a row show nothing although the transfer function shows values between theirs: the ray has
+    /// stepped over something.
+    pub steps_over: bool,
 }
 
 /// What is seen at places (column, row) of the picture, of which whole numbers are the middles of pixels: there it is what
@@ -115,6 +118,7 @@ pub fn trace(
     progress: &Progress,
 ) -> Result<Vec<Traced>> {
     let classes = Baked::new(scene.table);
+    let may_step_over = scene.mode.takes_table() && scene.table.has_peaks();
     with_voxels!(&scene.volume.voxels, voxels => {
         let marcher = Marcher::new(scene, plan, voxels, &classes);
         places
@@ -127,6 +131,7 @@ pub fn trace(
                 Ok(Traced {
                     rgba: pixel.rgba,
                     first_hit: pixel.first_hit,
+                    steps_over: may_step_over && marcher.steps_over(place, scene.table),
                 })
             })
             .collect()

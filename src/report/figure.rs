@@ -152,9 +152,11 @@ impl Figure {
         points.map(|p| [p.x, p.y]).filter(|p| can_draw(*p))
     }
 
-    /// Draws the Pareto front of all points.
-    pub(super) fn with_front(mut self) -> Self {
-        self.front = front(&self.points().collect::<Vec<_>>());
+    /// Draws the Pareto front of the points of these series.
+    pub(super) fn with_front_of(mut self, is_meant: impl Fn(&Series) -> bool) -> Self {
+        let meant = self.series.iter().filter(|s| is_meant(s));
+        let points = meant.flat_map(|s| &s.points).map(|p| [p.x, p.y]);
+        self.front = front(&points.filter(|p| can_draw(*p)).collect::<Vec<_>>());
         self
     }
 }

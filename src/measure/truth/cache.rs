@@ -17,7 +17,7 @@ use crate::transfer::TransferFunction;
 use crate::volume::Volume;
 
 /// Changed whenever refinement or the file is.
-const FORMAT: &[u8] = b"hollowcast truth 1\n";
+const FORMAT: &[u8] = b"hollowcast truth 2\n";
 const DIGEST: usize = 32;
 /// Bytes of the folder beyond which the oldest files go.
 const LIMIT: u64 = 1 << 30;

@@ -3,7 +3,9 @@
 //! Steps go from [`COARSEST_STEP`] to [`FINEST_STEP`] by halves. The first three are taken in every pixel. From then on a
 //! pixel is settled when its last refinement moved no channel by as much as [`BOUND`] and the one before by no more than four
 //! times that, which is what errors of second order leave of themselves (so that two refinements that agree by chance after
-//! a large change do not count); and only pixels that are not settled, and those next to them, are refined further.
+//! a large change do not count), and when its ray steps over nothing: where the transfer function shows values between those
+//! of two samples that show nothing, pictures stand still because all of them miss it. Only pixels that are not settled, and
+//! those next to them, are refined further.
 //!
 //! Composites of smooth fields converge with the square of the step: their changes fall to a quarter from one refinement to
 //! the next. Where the last change of every channel is a third to a fifth of the one before, the pixel is extrapolated to
@@ -11,7 +13,7 @@
 //! one, or lower) it is taken as it is.
 //!
 //! Pixels at a discontinuity are masked: those that the last halving, down to [`FINEST_STEP`], still moves by more than can
-//! be seen; and in modes that show the first surface, those that change abruptly from one eighth of a pixel to the next,
+//! be seen, or that still step over something; and in modes that show the first surface, those that change abruptly from one eighth of a pixel to the next,
 //! where a sample more or less along the ray decides what is seen.
 
 use crate::error::Result;
@@ -45,17 +47,26 @@ struct Pixel {
     /// What the last refinement added, and the one before.
     change: [f64; 4],
     change_before: [f64; 4],
+    steps_over: bool,
 }
 
 impl Pixel {
-    fn refine(&mut self, rgba: [f64; 4]) {
+    fn refine(&mut self, seen: &Traced) {
         self.change_before = self.change;
-        self.change = std::array::from_fn(|c| rgba[c] - self.rgba[c]);
-        self.rgba = rgba;
+        self.change = std::array::from_fn(|c| seen.rgba[c] - self.rgba[c]);
+        self.rgba = seen.rgba;
+        self.steps_over = seen.steps_over;
     }
 
     fn is_settled(&self) -> bool {
-        largest(self.change) < BOUND && largest(self.change_before) <= 4.0 * BOUND
+        let stands_still =
+            largest(self.change) < BOUND && largest(self.change_before) <= 4.0 * BOUND;
+        stands_still && !self.steps_over
+    }
+
+    /// After the last refinement: whether it is at a discontinuity.
+    fn is_masked(&self) -> bool {
+        largest(self.change) > VISIBLE || self.steps_over
     }
 
     /// At a step of 0, where the last changes are those of an error of second order.
@@ -100,7 +111,7 @@ pub(super) fn refine(
             let places: Vec<_> = lot.iter().map(|&i| place(i, width)).collect();
             let traced = renderer.trace(&settings, &places)?;
             for (&i, seen) in lot.iter().zip(traced) {
-                pixels[i].refine(seen.rgba);
+                pixels[i].refine(&seen);
             }
             let cost = lot.len() as f64 * cost;
             after -= cost;
@@ -115,7 +126,7 @@ pub(super) fn refine(
         step_voxels *= 0.5;
     }
 
-    let mut masked: Vec<bool> = pixels.iter().map(|p| largest(p.change) > VISIBLE).collect();
+    let mut masked: Vec<bool> = pixels.iter().map(Pixel::is_masked).collect();
     if shows_first_surface(&settings.mode) {
         mark_jumps(renderer, settings, &mut masked)?;
     }

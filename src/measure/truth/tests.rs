@@ -2,7 +2,7 @@ use super::*;
 use crate::camera::Orbit;
 use crate::mode::MODES;
 use crate::transfer::ControlPoint;
-use crate::volume::{Statistics, phantom};
+use crate::volume::{Statistics, Voxels, phantom};
 
 fn ramp(low: f64, high: f64) -> TransferFunction {
     let point = |value, opacity| ControlPoint {
@@ -150,5 +150,46 @@ fn every_mode_has_a_truth_and_masks_little() {
         );
         assert!(!first_surface || share > 0.0, "{}", row.name);
         assert!(truth.bound <= 0.004, "{}: {}", row.name, truth.bound);
+    }
+}
+
+/// A wall of voxels between 0 and 255 without any between: a peak of the transfer function is passed within a hundredth
+/// of a voxel, which the first pictures all miss.
+#[test]
+fn a_peak_that_coarse_steps_miss_is_found() {
+    let stored: Vec<u8> = (0..512usize)
+        .map(|i| if i % 8 < 4 { 0 } else { 255 })
+        .collect();
+    let volume = Arc::new(Volume {
+        voxels: Voxels::U8(stored.into()),
+        ..phantom::make("full", [8; 3]).unwrap()
+    });
+    let point = |value, opacity| ControlPoint {
+        value,
+        opacity,
+        color: [1.0; 3],
+    };
+    let peak = vec![point(126.0, 0.0), point(127.0, 0.99), point(128.0, 0.0)];
+    let transfer = TransferFunction::new(peak, 1.0).unwrap();
+    let mut truths = Truths::new(&volume, &transfer).unwrap().kept_in(None);
+    let settings = Settings {
+        table_entries: 4096,
+        ..settings(&volume, 12)
+    };
+    let truth = truths.of(&settings, |_| ()).unwrap();
+    assert!(truth.step_voxels < COARSEST_STEP / 4.0);
+    let fine = Settings {
+        step_voxels: 1.0 / 2048.0,
+        ert: 1.0,
+        ..settings
+    };
+    let mut reference = Renderer::new(BackendChoice::Reference).unwrap();
+    reference.set_volume(Arc::clone(&volume)).unwrap();
+    reference.set_transfer(transfer);
+    let fine = reference.render(&fine).unwrap().picture;
+    assert!(truth.masked_share() < 0.1, "{}", truth.masked_share());
+    for (i, (a, b)) in truth.picture.rgba.iter().zip(&fine.rgba).enumerate() {
+        let difference = (a[3] - b[3]).abs();
+        assert!(truth.masked[i] || difference < 2e-3, "{i}: {a:?} {b:?}");
     }
 }

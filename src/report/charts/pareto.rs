@@ -4,6 +4,7 @@ use super::super::figure::{self, Axis, Figure, Point, Series};
 use super::super::model::{Case, Model};
 use super::super::number::short;
 use super::{Kinds, fastest_blocks, file_name, ms, noise, series, sorted, step};
+use crate::skip::METHODS;
 
 /// Every scene, after all of them.
 pub(super) fn figures(model: &Model) -> Vec<Figure> {
@@ -32,7 +33,7 @@ pub(super) fn figures(model: &Model) -> Vec<Figure> {
                 series: series(&cases, step, ms, rms),
                 ..Figure::default()
             }
-            .with_front(),
+            .with_front_of(is_a_way_to_draw),
         );
         measured.push(cases);
     }
@@ -120,5 +121,10 @@ fn over_all(measured: &[Vec<Case>]) -> Figure {
         series: all,
         ..Figure::default()
     }
-    .with_front()
+    .with_front_of(is_a_way_to_draw)
+}
+
+/// Of these series the front is made: the oracle, which is told what to sample, is a limit that nobody can draw by.
+fn is_a_way_to_draw(series: &Series) -> bool {
+    METHODS.iter().all(|m| !m.is_limit || m.name != series.method)
 }
