@@ -94,7 +94,7 @@ fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) loca
             let contributes = step_sample(&state, &segment, k, ray);
             count_sample(contributes, k, ray);
             k += step_length(&segment);
-            samples_left -= 1u;
+            samples_left -= min(step_length(&segment), samples_left);
             finished = mode_done(state);
             if k >= ends.x {
                 starts = vec4u(starts.yzw, 0u);

@@ -76,11 +76,11 @@ fn a_budget_is_kept_or_refused_by_name() {
     for (budget, named) in [
         (
             Budget::MaxError(1e-7),
-            "max-error: nothing stays inside 0.0000001; nearest came",
+            "max-error: nothing stays inside 0.0000001; nearest comes",
         ),
         (
             Budget::Psnr(200.0),
-            "psnr: nothing stays inside 200 dB; nearest came",
+            "psnr: nothing stays inside 200 dB; nearest comes",
         ),
         (
             Budget::BudgetMs(1e-6),

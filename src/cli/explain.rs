@@ -18,7 +18,7 @@ pub(super) struct Explained {
     structure_bytes: u64,
     counters: Counters,
     ert: Option<ErtBound>,
-    step: StepEstimate,
+    step: Option<StepEstimate>,
 }
 
 impl Explained {
@@ -60,14 +60,15 @@ impl Explained {
         let pixels = f64::from(width) * f64::from(height);
         let per_pixel = |n: u64| n as f64 / pixels;
         let method = settings.skip.method();
-        let mut lines = vec![
-            String::new(),
-            format!(
+        let how = match settings.slices {
+            Some(count) => format!("renderer: slices ({count}), which skip nothing"),
+            None => format!(
                 "method: {}: {}",
                 Choice::of(settings).words(),
                 method.summary
             ),
-        ];
+        };
+        let mut lines = vec![String::new(), how];
         if settings.skip != Skip::Box {
             lines.push(format!(
                 "  its structures take {} KiB{}",
@@ -103,10 +104,17 @@ impl Explained {
             ),
             None => "early termination: without error in this mode".to_owned(),
         });
-        lines.push(format!(
-            "step of {} voxels: off by about {:.4} where it is worst, {:.5} on the root of the mean square (estimated: twice what half the step changes, {}x{} pixels, no early termination)",
-            settings.step_voxels, step.max_abs, step.rms, step.size[0], step.size[1],
-        ));
+        let length = match settings.slices {
+            Some(_) => "distance of the slices".to_owned(),
+            None => format!("step of {} voxels", settings.step_voxels),
+        };
+        lines.push(match step {
+            Some(step) => format!(
+                "{length}: off by about {:.4} where it is worst, {:.5} on the root of the mean square (estimated: twice what half of it changes, {}x{} pixels, no early termination)",
+                step.max_abs, step.rms, step.size[0], step.size[1],
+            ),
+            None => format!("{length}: not estimated where they are one per voxel"),
+        });
         lines.join("\n") + "\n"
     }
 }

@@ -167,20 +167,25 @@ pub(super) fn run(
 /// What was kept of the budget, and by what margin.
 fn kept(budget: Budget, found: &Found, [width, height]: [u32; 2]) -> String {
     let fastest = &found.tuning.rows[0];
-    let over = format!(
-        "over {} views of {width}x{height}, the worst found among them",
-        found.views
-    );
+    let sought = if found.was_climbed {
+        ", the worst found among them"
+    } else {
+        ""
+    };
+    let over = format!("over {} views of {width}x{height}{sought}", found.views);
     let decibels = |error: f64| -20.0 * error.log10();
     match budget {
         Budget::MaxError(limit) => format!(
-            "largest error {:.5} of {limit} allowed (margin {:.0} %; other views are expected below {:.5}), {over}",
+            "largest error {:.5} of {limit} allowed (margin {:.0} %; {:.5} with the standard deviation of the views added), {over}",
             found.error,
             100.0 * (1.0 - found.error / limit),
             found.expected,
         ),
+        Budget::Psnr(limit) if found.error == 0.0 => {
+            format!("no error where {limit} dB were asked for, {over}")
+        }
         Budget::Psnr(limit) => format!(
-            "least PSNR {:.2} dB of {limit} dB asked for (margin {:.2} dB; other views are expected above {:.2} dB), {over}",
+            "least PSNR {:.2} dB of {limit} dB asked for (margin {:.2} dB; {:.2} dB with the standard deviation of the views added), {over}",
             decibels(found.error),
             decibels(found.error) - limit,
             decibels(found.expected),

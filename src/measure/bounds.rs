@@ -18,7 +18,7 @@ use serde::Serialize;
 use super::metrics::metrics;
 use crate::error::Result;
 use crate::mode::Mode;
-use crate::render::{Renderer, Settings};
+use crate::render::{Renderer, Settings, SliceCount};
 use crate::transfer::TransferFunction;
 
 /// What early termination can leave out.
@@ -67,11 +67,12 @@ pub struct StepEstimate {
 /// The longer edge of these pictures.
 const EDGE: u32 = 96;
 
-/// Estimates the step's error from two small pictures of the same view, of this step and of half of it.
+/// Estimates the step's error from two small pictures of the same view, of this step and of half of it; of slices, whose
+/// step is their distance, where they are counted.
 ///
 /// # Errors
 /// As [`Renderer::render`].
-pub fn step_estimate(renderer: &mut Renderer, settings: &Settings) -> Result<StepEstimate> {
+pub fn step_estimate(renderer: &mut Renderer, settings: &Settings) -> Result<Option<StepEstimate>> {
     let longer = settings.size[0].max(settings.size[1]);
     let small = |n: u32| (u64::from(n) * u64::from(EDGE) / u64::from(longer)).max(1) as u32;
     let size = if longer > EDGE {
@@ -84,8 +85,14 @@ pub fn step_estimate(renderer: &mut Renderer, settings: &Settings) -> Result<Ste
         ert: 1.0,
         ..*settings
     };
+    let slices = match settings.slices {
+        Some(SliceCount::PerVoxel) => return Ok(None),
+        Some(SliceCount::Exactly(count)) => Some(SliceCount::Exactly(2 * count)),
+        None => None,
+    };
     let half = Settings {
         step_voxels: 0.5 * settings.step_voxels,
+        slices,
         ..whole
     };
     let pictures = [
@@ -93,11 +100,11 @@ pub fn step_estimate(renderer: &mut Renderer, settings: &Settings) -> Result<Ste
         renderer.render(&half)?.picture,
     ];
     let change = metrics([(&pictures[0], &pictures[1])]);
-    Ok(StepEstimate {
+    Ok(Some(StepEstimate {
         max_abs: 2.0 * change.max_abs,
         rms: 2.0 * change.rms,
         size,
-    })
+    }))
 }
 
 #[cfg(test)]
@@ -171,7 +178,7 @@ mod tests {
                     ert: 1.0,
                     ..Settings::new(Orbit::default().camera(volume.extent()))
                 };
-                let estimate = step_estimate(&mut renderer, &settings).unwrap();
+                let estimate = step_estimate(&mut renderer, &settings).unwrap().unwrap();
                 let truths = Truths::new(&volume, &transfer).unwrap();
                 let truth = truths.kept_in(None).of(&settings, |_| ()).unwrap();
                 let picture = renderer.render(&settings).unwrap().picture;

@@ -88,6 +88,8 @@ pub struct Found {
     pub expected: f64,
     /// Views that errors were measured on.
     pub views: usize,
+    /// Whether worse ones were sought from the worst of these.
+    pub was_climbed: bool,
     /// Every method in every block size with this accuracy, the fastest first.
     pub tuning: Tuning,
 }
@@ -175,6 +177,7 @@ pub fn search(
             error: errors.largest(),
             expected: errors.expected(),
             views: views.len(),
+            was_climbed: plan.error_views > 0,
             tuning,
         });
     }
@@ -183,9 +186,13 @@ pub fn search(
             let reason = format!("no frames stay below {ms} ms: their times vary too much");
             Error::setting("budget-ms", reason)
         }
-        Budget::MaxError(_) | Budget::Psnr(_) => {
-            let reason = "every search found a worse view; ask for a little less";
-            Error::setting("max-error, psnr", reason)
-        }
+        Budget::MaxError(_) => Error::setting(
+            "max-error",
+            "every search was followed by a view that is worse; allow a little more",
+        ),
+        Budget::Psnr(_) => Error::setting(
+            "psnr",
+            "every search was followed by a view that is worse; ask for a little less",
+        ),
     })
 }

@@ -20,8 +20,9 @@ struct Kept<T> {
 pub(crate) fn file(name: &str) -> Option<PathBuf> {
     let set = |name| {
         std::env::var_os(name)
-            .filter(|v| !v.is_empty())
             .map(PathBuf::from)
+            // A relative path is to be ignored (XDG Base Directory Specification).
+            .filter(|path| path.is_absolute())
     };
     let folder = set("XDG_CACHE_HOME").or_else(|| Some(set("HOME")?.join(".cache")))?;
     Some(folder.join("hollowcast").join(name))
@@ -49,7 +50,10 @@ pub(super) fn write(path: &Path, value: &impl Serialize) {
             found: value,
         };
         std::fs::write(&unfinished, serde_json::to_string_pretty(&kept)?)?;
-        std::fs::rename(&unfinished, path)
+        std::fs::rename(&unfinished, path).inspect_err(|_| {
+            // The first error is the one to tell.
+            let _ = std::fs::remove_file(&unfinished);
+        })
     };
     if let Err(error) = save() {
         tracing::debug!("{}: {error}", path.display());

@@ -30,16 +30,18 @@ type Outcomes = BTreeMap<String, Vec<String>>;
 pub(super) fn withdrawn(renderer: &mut Renderer, kept: Option<&Path>) -> Result<Vec<Skip>> {
     let info = renderer.info();
     let key = format!("{} | {}", info.adapter, info.driver);
-    let mut outcomes: Outcomes = kept.map(cache::read).unwrap_or_default();
-    let names = if let Some(names) = outcomes.get(&key) {
-        names.clone()
+    let read = || -> Outcomes { kept.map(cache::read).unwrap_or_default() };
+    let names = if let Some(names) = read().remove(&key) {
+        names
     } else {
         let failed: Vec<String> = check(renderer)?
             .iter()
             .map(|s| s.method().name.to_owned())
             .collect();
-        outcomes.insert(key, failed.clone());
         if let Some(path) = kept {
+            // Read again: another process may have kept its own meanwhile.
+            let mut outcomes = read();
+            outcomes.insert(key, failed.clone());
             cache::write(path, &outcomes);
         }
         failed

@@ -101,7 +101,6 @@ fn thresholds(renderer: &Renderer, plan: &Plan) -> Result<Vec<f32>> {
 pub(super) fn fastest(renderers: &mut [Renderer], views: &Views, plan: &Plan) -> Result<Contender> {
     let (_, limit) = plan.budget.measure();
     let mut inside: Vec<Contender> = Vec::new();
-    let mut nearest: Option<(f64, Accuracy)> = None;
     for kind in kinds(renderers, plan) {
         let steps = steps();
         // Stopping earlier adds to the error: no coarser step is inside than with the threshold before.
@@ -114,10 +113,6 @@ pub(super) fn fastest(renderers: &mut [Renderer], views: &Views, plan: &Plan) ->
                 let middle = usize::midpoint(coarse, fine);
                 let accuracy = kind.accuracy(steps[middle], ert);
                 let errors = views.errors(&mut renderers[kind.renderer], &accuracy, limit)?;
-                let largest = errors.largest();
-                if nearest.as_ref().is_none_or(|(least, _)| largest < *least) {
-                    nearest = Some((largest, accuracy));
-                }
                 if errors.expected() <= limit {
                     found = Some(Contender {
                         renderer: kind.renderer,
@@ -137,7 +132,7 @@ pub(super) fn fastest(renderers: &mut [Renderer], views: &Views, plan: &Plan) ->
         }
     }
     if inside.is_empty() {
-        return Err(nothing(plan.budget, nearest));
+        return Err(nothing(renderers, views, plan)?);
     }
     // Of what differs in these two alone, the coarser that stops earlier is faster: no need to time the others.
     let is_beaten = |by: &Contender, c: &Contender| {
@@ -154,21 +149,40 @@ pub(super) fn fastest(renderers: &mut [Renderer], views: &Views, plan: &Plan) ->
     Ok(inside.swap_remove(fastest.expect("there is one")))
 }
 
-/// Why there is none, and how near what came nearest came.
-fn nothing(budget: Budget, nearest: Option<(f64, Accuracy)>) -> Error {
-    let near = nearest.map_or_else(String::new, |(error, accuracy)| {
-        let off = match budget {
-            Budget::Psnr(_) => format!("{:.1} dB", -20.0 * error.log10()),
-            Budget::MaxError(_) | Budget::BudgetMs(_) => format!("off by {error:.5}"),
+/// Why there is none, and how near what comes nearest comes: of each kind the finest step that stops latest.
+fn nothing(renderers: &mut [Renderer], views: &Views, plan: &Plan) -> Result<Error> {
+    let finest = *steps().last().expect("there are some");
+    let mut nearest: Option<(f64, Accuracy)> = None;
+    for kind in kinds(renderers, plan) {
+        let renderer = &mut renderers[kind.renderer];
+        let Some(&latest) = thresholds(renderer, plan)?.first() else {
+            continue;
         };
-        format!("; nearest came {}: {off}", accuracy.words())
-    });
-    let (field, asked) = match budget {
+        let accuracy = kind.accuracy(finest, latest);
+        let expected = views.errors(renderer, &accuracy, f64::INFINITY)?.expected();
+        if nearest.is_none_or(|(least, _)| expected < least) {
+            nearest = Some((expected, accuracy));
+        }
+    }
+    let (field, asked) = match plan.budget {
         Budget::Psnr(db) => ("psnr", format!("{db} dB")),
         Budget::MaxError(error) => ("max-error", error.to_string()),
         Budget::BudgetMs(ms) => ("budget-ms", ms.to_string()),
     };
-    Error::setting(field, format!("nothing stays inside {asked}{near}"))
+    let why = match (plan.budget, nearest) {
+        (_, None) => "early termination alone can leave out more, whatever the step".to_owned(),
+        (Budget::Psnr(_), Some((error, accuracy))) => {
+            let db = -20.0 * error.log10();
+            format!("nearest comes {}: {db:.1} dB", accuracy.words())
+        }
+        (_, Some((error, accuracy))) => {
+            format!("nearest comes {}: off by {error:.5}", accuracy.words())
+        }
+    };
+    Ok(Error::setting(
+        field,
+        format!("nothing stays inside {asked}; {why}"),
+    ))
 }
 
 /// Frame times by auto's choice of method.

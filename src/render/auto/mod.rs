@@ -36,7 +36,7 @@ pub const DEFAULT_BLOCK: usize = 8;
 const WORTH_IT: f64 = 0.9;
 
 /// The same where it leaves out less than [`NEXT_TO_NOTHING`] of box's samples, and what is promised can be little but the
-/// noise of the calibration: the CPU's cell bits can make good on it, most cannot.
+/// noise of the calibration: the CPU's cell bits can make good on it. On other backends nothing can.
 const WORTH_IT_FOR_NOTHING: f64 = 0.8;
 
 /// The share of box's samples that is next to nothing.
@@ -64,11 +64,13 @@ pub(super) struct Chooser {
     last: Option<(Settings, Choice)>,
 }
 
-/// What is active under one table and mode, from the smallest blocks up.
+/// What is active under one table, mode, classification and sampler's reach, from the smallest blocks up.
 struct Active {
     table: Arc<Table>,
     mode: Mode,
     classification: Classification,
+    /// How far blocks are closed over their neighbours ([`crate::sample::Sampler::apron`]).
+    apron: usize,
     levels: Vec<Level>,
 }
 
@@ -173,7 +175,7 @@ impl Renderer {
         for Promise { choice, ms, .. } in &promised {
             tracing::debug!("auto: {} would take {ms:.2} ms", choice.words());
         }
-        let choice = pick(&promised, kept);
+        let choice = pick(&promised, kept, self.info.backend == "cpu");
         self.chooser.last = Some((settings, choice));
         Ok(choice)
     }
@@ -214,7 +216,12 @@ impl Renderer {
         let frame = settings.ray_frame(&volume)?;
         let scene = settings.scene(&volume, &table, &frame, self.sampler(settings));
         let is_current = self.chooser.active.as_ref().is_some_and(|a| {
-            (a.mode, a.classification) == (settings.mode, settings.classification)
+            (a.mode, a.classification, a.apron)
+                == (
+                    settings.mode,
+                    settings.classification,
+                    scene.sampler.apron(),
+                )
                 && a.table.shows_the_same_as(shown)
         });
         if !is_current {
@@ -239,6 +246,7 @@ impl Renderer {
                 table: Arc::clone(shown),
                 mode: settings.mode,
                 classification: settings.classification,
+                apron: scene.sampler.apron(),
                 levels,
             });
         }
@@ -270,25 +278,26 @@ struct Promise {
 }
 
 impl Promise {
-    /// Whether it is worth more than box, which is simplest.
-    fn beats(&self, base: &Self) -> bool {
+    /// Whether it is worth more than box, which is simplest; `has_cell_bits`, whether the backend can leave out samples
+    /// that are counted here.
+    fn beats(&self, base: &Self, has_cell_bits: bool) -> bool {
         let left_out = 1.0 - self.samples / base.samples;
-        let worth_it = if left_out < NEXT_TO_NOTHING {
-            WORTH_IT_FOR_NOTHING
-        } else {
-            WORTH_IT
+        let worth_it = match (left_out < NEXT_TO_NOTHING, has_cell_bits) {
+            (false, _) => WORTH_IT,
+            (true, true) => WORTH_IT_FOR_NOTHING,
+            (true, false) => return false,
         };
         self.ms < base.ms * worth_it && base.ms - self.ms > LEAST_GAIN_MS
     }
 }
 
 /// The choice to make of these, where `kept` was made for another view of the same.
-fn pick(promised: &[Promise], kept: Option<Choice>) -> Choice {
+fn pick(promised: &[Promise], kept: Option<Choice>, has_cell_bits: bool) -> Choice {
     let of = |choice: &Choice| promised.iter().find(|p| p.choice == *choice);
     let Some(base) = of(&Choice::BOX) else {
         return Choice::BOX;
     };
-    let worthy = || promised.iter().filter(|p| p.beats(base));
+    let worthy = || promised.iter().filter(|p| p.beats(base, has_cell_bits));
     let least = worthy().map(|p| p.ms).fold(f64::INFINITY, f64::min);
     // Candidates come in the order of the table, blocks ascending.
     let simplest = worthy().filter(|p| p.ms <= least * AS_FAST).reduce(|a, b| {

@@ -161,14 +161,14 @@ fn the_simplest_of_equals_is_picked_and_box_unless_something_beats_it_clearly() 
             of(choice(Skip::BeamMasks, 8), ms[3], 40.0),
         ]
     };
-    let best = |ms| pick(&promised(ms), None);
+    let best = |ms| pick(&promised(ms), None, true);
     assert_eq!(best([10.0, 5.0, 5.05, 5.0]), choice(Skip::Hull, 8));
     assert_eq!(best([10.0, 5.0, 5.5, 4.0]), choice(Skip::BeamMasks, 8));
     assert_eq!(best([10.0, 9.5, 9.5, 9.2]), Choice::BOX);
     assert_eq!(best([0.06, 0.02, 0.02, 0.02]), Choice::BOX);
-    assert_eq!(pick(&[], None), Choice::BOX);
+    assert_eq!(pick(&[], None, true), Choice::BOX);
     let kept = Some(choice(Skip::Hull, 8));
-    let turned = |ms| pick(&promised(ms), kept);
+    let turned = |ms| pick(&promised(ms), kept, true);
     assert_eq!(turned([10.0, 5.0, 5.0, 4.5]), choice(Skip::Hull, 8));
     assert_eq!(turned([10.0, 5.0, 5.0, 4.0]), choice(Skip::BeamMasks, 8));
     assert_eq!(turned([3.0, 5.0, 5.0, 4.0]), Choice::BOX);
@@ -178,6 +178,7 @@ fn the_simplest_of_equals_is_picked_and_box_unless_something_beats_it_clearly() 
             of(Choice::BOX, 10.0, 100.0),
             of(choice(Skip::BeamMasks, 8), ms, 99.0),
         ];
-        assert_eq!(pick(&all, None).skip, chosen);
+        assert_eq!(pick(&all, None, true).skip, chosen);
+        assert_eq!(pick(&all, None, false).skip, Skip::Box);
     }
 }

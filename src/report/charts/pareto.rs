@@ -126,5 +126,7 @@ fn over_all(measured: &[Vec<Case>]) -> Figure {
 
 /// Of these series the front is made: the oracle, which is told what to sample, is a limit that nobody can draw by.
 fn is_a_way_to_draw(series: &Series) -> bool {
-    METHODS.iter().all(|m| !m.is_limit || m.name != series.method)
+    METHODS
+        .iter()
+        .all(|m| !m.is_limit || m.name != series.method)
 }
