@@ -3,14 +3,15 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use hollowcast::Error;
-use hollowcast::camera::Orbit;
+use hollowcast::camera::{Camera, Orbit, Projection};
 use hollowcast::gpu::Gpu;
 use hollowcast::gpu::buffer::read_back;
 use hollowcast::render::{Renderer, Settings, Targets};
-use hollowcast::skip::METHODS;
+use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::{ControlPoint, TransferFunction};
-use hollowcast::volume::phantom;
+use hollowcast::volume::{Volume, Voxels, phantom};
 
 /// A device of the best adapter there is, that takes 3D textures of at most `edge` voxels, and of buffers binds at most
 /// `binding` bytes.
@@ -106,6 +107,63 @@ fn a_picture_over_the_limit_of_a_binding_is_drawn_in_pieces() {
     };
     // Its pixels take 120,000 bytes.
     assert_eq!(picture(Some(1 << 16)).difference(&picture(None)).pixels, 0);
+}
+
+/// Runs of more layers than are bound at once become one for each tile; blocks that are too many are refused by the limit's
+/// name.
+#[test]
+fn runs_and_blocks_over_the_limit_of_a_binding_are_joined_and_refused() {
+    const LONG: usize = 1600;
+    let sheets: Vec<u8> = (0..64 * LONG)
+        .map(|i| if i / 64 % 8 == 0 { 200 } else { 0 })
+        .collect();
+    let sheets = Arc::new(Volume {
+        voxels: Voxels::U8(sheets.into()),
+        ..phantom::make("empty", [8, 8, LONG]).unwrap()
+    });
+    let point = |value, opacity| ControlPoint {
+        value,
+        opacity,
+        color: [1.0; 3],
+    };
+    let ramp = TransferFunction::new(vec![point(40.0, 0.0), point(255.0, 0.01)], 1.0).unwrap();
+    let along = Camera {
+        eye: DVec3::new(4.3, 4.2, -100.0),
+        target: DVec3::new(4.0, 4.0, 0.0),
+        up: DVec3::Y,
+        projection: Projection::Orthographic { height: 14.0 },
+    };
+    let settings = |skip| Settings {
+        skip,
+        block: 2,
+        table_entries: 256,
+        size: [48; 2],
+        ..Settings::new(along)
+    };
+    let mut pictures = Vec::new();
+    // Runs of the four tiles of a piece take more than 6,000 bytes, a byte for each block 12,800.
+    for binding in [None, Some(4096)] {
+        let (device, queue, info) = device(2048, binding);
+        let mut renderer = Renderer::with_device(Gpu::from_device(device, queue, info)).unwrap();
+        renderer.set_volume(Arc::clone(&sheets)).unwrap();
+        renderer.set_transfer(ramp.clone());
+        let drawn = renderer.count(&settings(Skip::BeamMasks)).unwrap();
+        pictures.push((drawn.picture, drawn.counters.samples));
+        let blocks = renderer.render(&settings(Skip::DistanceMap));
+        if binding.is_none() {
+            blocks.unwrap();
+            continue;
+        }
+        let error = blocks.unwrap_err();
+        assert!(error.is_bad_input(), "{error}");
+        let words = error.to_string();
+        assert!(words.contains("max_storage_buffer_binding_size"), "{words}");
+    }
+    let [(whole, few), (joined, more)] = &pictures[..] else {
+        unreachable!("there are two");
+    };
+    assert_eq!(whole.difference(joined).pixels, 0);
+    assert!(more > few, "{more} {few}");
 }
 
 /// A texture to draw into, and its bytes.

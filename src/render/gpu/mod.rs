@@ -28,7 +28,7 @@ use self::present::PresentPass;
 pub use self::present::Targets;
 use self::slices::SlicesPass;
 use crate::camera::Camera;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::buffer::{GrowBuffer, KeptBuffer, read_back};
 use crate::gpu::texture::VolumeTexture;
 use crate::gpu::timer::SpanTimer;
@@ -234,6 +234,20 @@ impl GpuBackend {
             }
         }
         let blocks = job.block_words();
+        if let Some((_, words)) = blocks {
+            let (bytes, most) = (
+                size_of_val(words) as u64,
+                self.gpu.device.limits().max_storage_buffer_binding_size,
+            );
+            if bytes > most {
+                return Err(Error::Limit(format!(
+                    "what {} keeps of blocks takes {bytes} bytes, and {} binds {most} (max_storage_buffer_binding_size): \
+                     larger blocks take less (--block)",
+                    job.skip.method().name,
+                    self.gpu.info.name,
+                )));
+            }
+        }
         is_new |= blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
         self.blocks.holding(&self.gpu, blocks);
         self.make_gradients(job)?;

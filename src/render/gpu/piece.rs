@@ -4,7 +4,7 @@ use super::before::{list_segments, ray_words};
 use super::dispatch::dispatches;
 use super::faces::BoundsTexture;
 use super::march::{Count, March, SETTINGS_STRIDE};
-use super::tiles::{TileMask, tile_runs};
+use super::tiles::{TileMask, joined, tile_runs};
 use super::uniforms::{mode_of, settings_of, view_of, viewer_of};
 use super::{CAST, GpuBackend, Job, Piece, RASTER};
 use crate::error::{Error, Result};
@@ -37,7 +37,13 @@ impl GpuBackend {
         // The tiles that can show anything.
         let clip_from_local = job.camera.clip_from_local(frame.size);
         let (tile_list, run_list) = if let Some(masks) = job.masks {
-            tile_runs(masks, frame, piece.origin, piece.size)
+            let (tiles, runs) = tile_runs(masks, frame, piece.origin, piece.size);
+            let most = gpu.device.limits().max_storage_buffer_binding_size;
+            if size_of_val(&runs[..]) as u64 > most {
+                joined(tiles, &runs)
+            } else {
+                (tiles, runs)
+            }
         } else {
             let mut mask = TileMask::new(piece.size);
             for &[low, high] in job.active {

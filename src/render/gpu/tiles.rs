@@ -106,6 +106,21 @@ impl TileMask {
     }
 }
 
+/// One run for each tile, from where its first begins to where its last ends: where lists of runs are longer than what an
+/// adapter binds. More samples, and the same picture.
+pub(super) fn joined(mut tiles: Vec<Tile>, runs: &[[f32; 2]]) -> (Vec<Tile>, Vec<[f32; 2]>) {
+    let mut of_tiles = Vec::with_capacity(tiles.len());
+    for tile in &mut tiles {
+        let first = tile.first_run as usize;
+        let own = &runs[first..first + tile.run_count as usize];
+        if let (Some([begin, _]), Some([_, end])) = (own.first(), own.last()) {
+            (tile.first_run, tile.run_count) = (of_tiles.len() as u32, 1);
+            of_tiles.push([*begin, *end]);
+        }
+    }
+    (tiles, of_tiles)
+}
+
 /// Column and row as the marcher reads them.
 fn packed(x: u32, y: u32) -> u32 {
     x | y << 16
