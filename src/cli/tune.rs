@@ -97,7 +97,7 @@ pub(super) struct Args {
     )]
     output: Option<PathBuf>,
 
-    /// Compare block sizes for every method instead of looking for the fastest
+    /// Compare block sizes for every lossless method instead of looking for the fastest
     #[arg(long, value_parser = ["block"], help_heading = "Tuning", conflicts_with = "budget")]
     sweep: Option<String>,
 
