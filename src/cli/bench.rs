@@ -278,7 +278,8 @@ impl Bench<'_> {
                 let settings = settings(args, mode, volume, camera)?;
                 let settings = settings_on(drawing.info().backend, &settings);
                 Ok(match args.methods[0] {
-                    MethodChoice::Only(skip) => has(drawing, skip, &mode).then_some(settings),
+                    MethodChoice::Only(skip) => has(drawing, skip, &settings).then_some(settings),
+                    MethodChoice::Auto if !has_classes(drawing, &settings) => None,
                     MethodChoice::Auto => Some(drawing.choose(&settings)?.in_settings(&settings)),
                 })
             });
@@ -295,11 +296,18 @@ impl Bench<'_> {
     }
 }
 
-/// Whether a renderer draws a method itself, in this mode.
-pub(super) fn has(renderer: &Renderer, skip: Skip, mode: &Mode) -> bool {
+/// Whether a renderer draws a method itself, in the mode and classification of these settings.
+pub(super) fn has(renderer: &Renderer, skip: Skip, settings: &Settings) -> bool {
     renderer.has(skip)
         && !renderer.withdrawn().contains(&skip)
-        && mode.check_backend(renderer.info().backend).is_ok()
+        && settings.mode.check_backend(renderer.info().backend).is_ok()
+        && has_classes(renderer, settings)
+}
+
+/// Whether it has the classification: what backend `auto` comes to is not known to the suite.
+fn has_classes(renderer: &Renderer, settings: &Settings) -> bool {
+    let backend = renderer.info().backend;
+    settings.classification.check_backend(backend).is_ok()
 }
 
 /// What a command draws in one view.

@@ -90,7 +90,7 @@ impl Bench<'_> {
             let camera = args.scene.camera.camera(volume, 0.0);
             let settings = settings(&args, mode, volume, camera)?;
             if let MethodChoice::Only(skip) = args.methods[0]
-                && has(renderer, skip, &mode)
+                && has(renderer, skip, &settings)
             {
                 shown.push(Shown {
                     command: suite_words::line("render", &place.word, &of_render),
