@@ -109,6 +109,12 @@ pub(super) fn run(args: &Args) -> Result<()> {
         eprintln!("notice: {phantom} stands in for a volume that is missing");
     }
 
+    // Voxels are compared when a scene is loaded; what stands in can be told before anything is measured.
+    for (row, place) in suite.scenes.iter().zip(&places) {
+        if let Some(known) = results.scene(&row.name) {
+            known.check_same(&known.voxels_sha256, place.stand_in.as_deref())?;
+        }
+    }
     let known = results.cases.len();
     let mut bench = Bench {
         suite: &suite,
@@ -124,16 +130,18 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let mut before = 0.0;
     for scene in 0..suite.scenes.len() {
         let of_scene = || planned.iter().filter(|p| p.group.scene == scene);
+        let pictures = suite.pictures.iter();
+        let pictures = pictures.filter(|row| suite.scene(&row.scene) == Some(scene));
         for planned in of_scene() {
             let weight = planned.group.weight(&suite);
             bench.measure(planned, &mut |f| progress.set((before + f * weight) / all))?;
             before += weight;
         }
-        for row in &suite.pictures {
-            if let Some(planned) = of_scene().find(|_| suite.scene(&row.scene) == Some(scene)) {
-                bench
-                    .show(row, planned)
-                    .map_err(|e| e.in_file(&args.suite))?;
+        // Any group of the scene tells how it is loaded.
+        if let Some(planned) = of_scene().next() {
+            for row in pictures {
+                let shown = bench.show(row, planned);
+                shown.map_err(|e| e.in_file(&args.suite))?;
             }
         }
     }
@@ -238,12 +246,17 @@ impl Bench<'_> {
             renderer.set_transfer(transfer.clone());
         }
         let row = &self.suite.scenes[scene];
-        if self.results.scene(&row.name).is_none() {
+        let voxels_sha256 = SceneRecord::voxels_sha256(&volume);
+        let stand_in = &self.places[scene].stand_in;
+        if let Some(known) = self.results.scene(&row.name) {
+            known.check_same(&voxels_sha256, stand_in.as_deref())?;
+        } else {
             let record = SceneRecord {
                 name: row.name.clone(),
                 title: row.title.clone().unwrap_or_else(|| row.name.clone()),
                 volume: row.volume.clone(),
-                stand_in: self.places[scene].stand_in.clone(),
+                stand_in: stand_in.clone(),
+                voxels_sha256,
                 dims: volume.dims,
                 bytes: volume.bytes(),
                 load_ms,

@@ -8,6 +8,7 @@ use super::number::short;
 use super::svg;
 use super::tables::{NONE, Row, Table, Tables};
 use crate::measure::suite::{PictureRecord, Results, What};
+use crate::mode::MODES;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
@@ -180,19 +181,13 @@ fn is_number(cell: &str) -> bool {
 }
 
 /// What methods draw, row by row.
-fn pictures(model: &Model) -> Markup {
-    let mut sets: Vec<Vec<(&Results, &PictureRecord)>> = Vec::new();
+fn pictures<'a>(model: &Model<'a>) -> Markup {
+    let mut sets: Vec<Vec<(&'a Results, &'a PictureRecord)>> = Vec::new();
     for results in model.results {
         for picture in &results.pictures {
-            let is_same = |o: &PictureRecord| {
-                (&o.scene, &o.backend, &o.step, o.size)
-                    == (
-                        &picture.scene,
-                        &picture.backend,
-                        &picture.step,
-                        picture.size,
-                    )
-            };
+            let key =
+                |p: &'a PictureRecord| (&p.scene, &p.backend, &p.step, &p.mode, p.block, p.size);
+            let is_same = |other: &'a PictureRecord| key(other) == key(picture);
             match sets
                 .iter_mut()
                 .find(|s| std::ptr::eq(s[0].0, results) && is_same(s[0].1))
@@ -217,7 +212,7 @@ fn picture_set(set: &[(&Results, &PictureRecord)]) -> Markup {
     let of = |what: What| set.iter().map(|(_, p)| *p).filter(move |p| p.what == what);
     let most = of(What::Samples).next().map_or(1.0, |p| p.scale);
     html! {
-        h3 { (title) ", step " (first.step) ", " (first.backend) }
+        h3 { (title) ", step " (first.step) ", " (first.backend) @if first.mode != MODES[0].name { ", " (first.mode) } ", blocks of " (first.block) }
         (row(of(What::Picture), "Pictures", "What is drawn; the first is the truth, the converged picture."))
         (row(of(What::Difference), "Differences from the truth",
             "Largest absolute difference of a pixel's channels, amplified as stands under it: at \u{d7} 100 white is a difference of 0.01 and more."))
