@@ -150,7 +150,7 @@ fn table(table: &Table) -> Markup {
             h3 { (table.title) }
             div class="scroll" {
                 table {
-                    thead { tr { @for name in &table.head { th { (name) } } } }
+                    thead { tr { @for (i, name) in table.head.iter().enumerate() { th class=[has_numbers(table, i).then_some("n")] { (name) } } } }
                     tbody { @for row in &table.rows { (table_row(row)) } }
                 }
             }
@@ -177,7 +177,14 @@ fn table_row(row: &Row) -> Markup {
 }
 
 fn is_number(cell: &str) -> bool {
-    cell == NONE || cell.starts_with(|c: char| c.is_ascii_digit())
+    let unsigned = cell.strip_prefix(['-', '\u{2212}']).unwrap_or(cell);
+    cell == NONE || unsigned.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// Whether the cells under a heading are numbers, so that it stands over them.
+fn has_numbers(table: &Table, column: usize) -> bool {
+    let mut cells = table.rows.iter().filter_map(|row| row.cells.get(column));
+    cells.clone().next().is_some() && cells.all(|cell| is_number(cell))
 }
 
 /// What methods draw, row by row.

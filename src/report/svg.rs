@@ -145,7 +145,7 @@ fn drawn(series: &Series, place: &impl Fn([f64; 2]) -> [f64; 2]) -> Markup {
             }
             // The mark is scaled by the style sheet, within the group that moves it.
             @for (at, point) in points() {
-                g transform=(translate(place(at))) {
+                g transform=(translate(place(at))) tabindex="0" {
                     path class={ "p " (mark_class(series.mark)) } d=(mark_path(series.mark)) {
                         title { (point.label) "\n" (point.command) }
                     }
