@@ -9,8 +9,8 @@ use hollowcast::measure::compare::settings_on;
 use hollowcast::measure::machine::Machine;
 use hollowcast::measure::statistics::quartiles;
 use hollowcast::measure::suite::{
-    self, AdapterRecord, Contestant, Group, Header, Heat, Record, Results, SceneRecord, Suite,
-    Writer,
+    self, AdapterRecord, Contestant, Group, Header, Heat, Record, Results, SceneRecord, SceneRow,
+    Suite, Writer,
 };
 use hollowcast::measure::truth::Truths;
 use hollowcast::mode::Mode;
@@ -33,7 +33,7 @@ A suite is a TOML file of scenes and sweeps over backends, methods, blocks, step
 sizes; benches/ has three to begin with. Cases of one scene, mode, size, sampler and step take turns (A B C, A B C, ...), and
 do so once more where times scatter. Every finished case is a line of the results, which the command that measures it again
 names. A run that was stopped goes on where it was, on the same machine and with the same program; other results are never
-overwritten. Volumes are looked for in data/, then in the folder of --data; a missing one is stood in for where the suite
+overwritten. Volumes are looked for in data/, in data/ beside the suite's folder, then in the folder of --data; a missing one is stood in for where the suite
 names a phantom.";
 
 /// Measures a suite of cases, as JSON Lines that `hollowcast report` reads.
@@ -92,7 +92,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let suite = Suite::read(&args.suite)?;
     let variable = std::env::var_os(suite_words::DATA).map(PathBuf::from);
     let folder = args.data.clone().or(variable);
-    let places = suite.scenes.iter().map(|s| Place::of(s, folder.as_deref()));
+    let place = |scene| Place::of(scene, &args.suite, folder.as_deref());
+    let places = suite.scenes.iter().map(place);
     let places = places.collect::<Result<Vec<_>>>();
     let places = places.map_err(|e| e.in_file(&args.suite))?;
     // All of it is checked before any of it is measured.
@@ -104,9 +105,11 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let planned = planned.collect::<Result<Vec<_>>>()?;
     let (backends, renderers, header) = open(&suite)?;
     let (writer, results) = Writer::open(&args.output, &header)?;
-    for place in places.iter().filter(|p| p.stand_in.is_some()) {
-        let phantom = &place.path;
-        eprintln!("notice: {phantom} stands in for a volume that is missing");
+    for (scene, place) in suite.scenes.iter().zip(&places) {
+        if let Some(phantom) = &place.stand_in {
+            let volume = scene.volume.escape_debug();
+            eprintln!("notice: {phantom} stands in for {volume}, which is missing");
+        }
     }
 
     // Voxels are compared when a scene is loaded; what stands in can be told before anything is measured.
@@ -253,7 +256,7 @@ impl Bench<'_> {
         } else {
             let record = SceneRecord {
                 name: row.name.clone(),
-                title: row.title.clone().unwrap_or_else(|| row.name.clone()),
+                title: titled(row, stand_in.as_deref()),
                 volume: row.volume.clone(),
                 stand_in: stand_in.clone(),
                 voxels_sha256,
@@ -306,6 +309,15 @@ impl Bench<'_> {
             }
         }
         Ok(contestants)
+    }
+}
+
+/// A scene's title, which tells wherever it stands what was drawn in its place.
+fn titled(row: &SceneRow, stand_in: Option<&str>) -> String {
+    let title = row.title.as_ref().unwrap_or(&row.name);
+    match stand_in {
+        Some(phantom) => format!("{title} ({phantom} in its place)"),
+        None => title.clone(),
     }
 }
 

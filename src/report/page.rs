@@ -50,6 +50,10 @@ pub(super) fn page(
                     h1 { "Speed against accuracy: " (title) }
                     p { "Measured by hollowcast. Under every chart and table are the commands that measure its numbers again; \
                          a point of a chart tells its own when it is pointed at or tapped." }
+                    @if model.cases.iter().any(|c| c.record.command.contains("$HOLLOWCAST_DATA")) {
+                        p { "Where they name " code { "$HOLLOWCAST_DATA" } ", that is the folder of scans that do not ship with the program: "
+                            code { "export HOLLOWCAST_DATA=FOLDER" } " before." }
+                    }
                 }
                 main {
                     (section("on", "What it was measured on", html! { @for (i, one) in model.results.iter().enumerate() { (header(one, i, model.results.len())) } (lossless(model)) }))
@@ -86,7 +90,10 @@ fn section(id: &str, title: &str, content: impl maud::Render) -> Markup {
 fn charts(id: &str, title: &str, figures: &[&Figure]) -> Markup {
     html! {
         @if !figures.is_empty() {
-            (section(id, title, html! { div class=[(id != "error").then_some("wide")] { @for figure in figures { (svg::figure(figure)) } } }))
+            (section(id, title, html! {
+                @if id == "error" { p { "Errors are those of the first view, times the means of all views." } }
+                div class=[(id != "error").then_some("wide")] { @for figure in figures { (svg::figure(figure)) } }
+            }))
         }
     }
 }

@@ -63,6 +63,9 @@ pub(super) fn figure(figure: &Figure) -> Markup {
                 }
             }
             p class="told" hidden { }
+            @if !figure.series.iter().flat_map(|s| &s.points).any(|p| can_draw([p.x, p.y])) {
+                p class="note" { "No point can be drawn: axes are logarithmic, and no number is above 0." }
+            }
             @if !figure.note.is_empty() { p class="note" { (figure.note) } }
             details class="commands" {
                 summary { "Points and the commands that measure them" }

@@ -104,7 +104,7 @@ impl AdapterRecord {
 pub struct SceneRecord {
     /// Its name in the suite.
     pub name: String,
-    /// Its title.
+    /// Its title, with what was drawn in its place.
     pub title: String,
     /// The volume that the suite names.
     pub volume: String,
