@@ -4,6 +4,8 @@ use std::path::Path;
 
 use super::file::{Suite, Sweep};
 use crate::error::{Error, Result};
+use crate::mode::MODES;
+use crate::octree::BLOCKS;
 use crate::render::{BackendChoice, MethodChoice};
 
 /// Flags of `hollowcast compare` that a scene's `flags` cannot hold: sweeps and scenes say them, or bench reads them not.
@@ -29,10 +31,6 @@ const OWN: &[&str] = &[
     "--slices",
     "--json",
 ];
-
-fn is_own(flag: &String) -> bool {
-    OWN.contains(&flag.as_str())
-}
 
 /// Cases that a suite may come to: days of measuring.
 const MAX_CASES: f64 = 10_000.0;
@@ -85,8 +83,14 @@ impl Suite {
                 let reason = "expected a file's name in the folder of data, or phantom:NAME:SIZE";
                 return Err(Error::setting(field("volume"), reason));
             }
-            let name = |word: &String| word.split('=').next().unwrap_or_default().to_owned();
-            if let Some(flag) = scene.flags.iter().map(name).find(is_own) {
+            let name = |word| str::split(word, '=').next().unwrap_or_default();
+            if let Some(flag) = scene
+                .flags
+                .iter()
+                .map(String::as_str)
+                .map(name)
+                .find(|f| OWN.contains(f))
+            {
                 let reason = format!("{flag} is the suite's own to say, or not read by bench");
                 return Err(Error::setting(field("flags"), reason));
             }
@@ -131,6 +135,14 @@ impl Suite {
             let backend = std::slice::from_ref(&picture.backend);
             check_names(&field("backend"), backend, is_backend)?;
             check_names(&field("methods"), &picture.methods, is_method)?;
+            let mode = std::slice::from_ref(&picture.mode);
+            check_names(&field("mode"), mode, |name| {
+                MODES.iter().any(|row| row.name == name)
+            })?;
+            if !BLOCKS.contains(&picture.block) {
+                let reason = "expected 2, 4, 8, 16, 32 or 64 voxels";
+                return Err(Error::setting(field("block"), reason));
+            }
             if picture
                 .methods
                 .iter()
@@ -211,6 +223,16 @@ size = 16
     fn what_would_vanish_is_refused() {
         assert!(Suite::from_toml(GOOD).is_ok());
         for (from, to, named) in [
+            (
+                "size = 16",
+                "size = 16\nmode = \"mop\"",
+                "picture 1: mode: there",
+            ),
+            (
+                "size = 16",
+                "size = 16\nblock = 5",
+                "picture 1: block: expected",
+            ),
             ("[\"box\"]", "[\"auto\"]", "picture 1: methods: auto"),
             (
                 "scene = \"ball\"",
