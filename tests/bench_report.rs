@@ -121,6 +121,8 @@ fn commands_measure_the_same(folder: &Path, cases: &[Value]) {
             ("max_abs_diff_vs_reference", &case["error"]["max_abs"]),
             ("mean_abs_diff_vs_reference", &case["error"]["mean_abs"]),
             ("off_share_vs_reference", &case["error"]["off_share"]),
+            ("ssim_vs_reference", &case["error"]["ssim"]),
+            ("flip_vs_reference", &case["error"]["flip"]),
         ] {
             assert_eq!(&row[of_row], of_case, "{command}");
         }

@@ -9,8 +9,8 @@ use hollowcast::measure::compare::settings_on;
 use hollowcast::measure::machine::Machine;
 use hollowcast::measure::statistics::quartiles;
 use hollowcast::measure::suite::{
-    self, AdapterRecord, Contestant, Group, Header, Heat, Record, Results, SceneRecord, Suite,
-    Writer,
+    self, AdapterRecord, Contestant, Group, Header, Heat, Record, Results, SceneRecord, SceneRow,
+    Suite, Writer,
 };
 use hollowcast::measure::truth::Truths;
 use hollowcast::mode::Mode;
@@ -33,7 +33,7 @@ A suite is a TOML file of scenes and sweeps over backends, methods, blocks, step
 sizes; benches/ has three to begin with. Cases of one scene, mode, size, sampler and step take turns (A B C, A B C, ...), and
 do so once more where times scatter. Every finished case is a line of the results, which the command that measures it again
 names. A run that was stopped goes on where it was, on the same machine and with the same program; other results are never
-overwritten. Volumes are looked for in data/, then in the folder of --data; a missing one is stood in for where the suite
+overwritten. Volumes are looked for in data/, in data/ beside the suite's folder, then in the folder of --data; a missing one is stood in for where the suite
 names a phantom.";
 
 /// Measures a suite of cases, as JSON Lines that `hollowcast report` reads.
@@ -92,7 +92,8 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let suite = Suite::read(&args.suite)?;
     let variable = std::env::var_os(suite_words::DATA).map(PathBuf::from);
     let folder = args.data.clone().or(variable);
-    let places = suite.scenes.iter().map(|s| Place::of(s, folder.as_deref()));
+    let place = |scene| Place::of(scene, &args.suite, folder.as_deref());
+    let places = suite.scenes.iter().map(place);
     let places = places.collect::<Result<Vec<_>>>();
     let places = places.map_err(|e| e.in_file(&args.suite))?;
     // All of it is checked before any of it is measured.
@@ -104,11 +105,19 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let planned = planned.collect::<Result<Vec<_>>>()?;
     let (backends, renderers, header) = open(&suite)?;
     let (writer, results) = Writer::open(&args.output, &header)?;
-    for place in places.iter().filter(|p| p.stand_in.is_some()) {
-        let phantom = &place.path;
-        eprintln!("notice: {phantom} stands in for a volume that is missing");
+    for (scene, place) in suite.scenes.iter().zip(&places) {
+        if let Some(phantom) = &place.stand_in {
+            let volume = scene.volume.escape_debug();
+            eprintln!("notice: {phantom} stands in for {volume}, which is missing");
+        }
     }
 
+    // Voxels are compared when a scene is loaded; what stands in can be told before anything is measured.
+    for (row, place) in suite.scenes.iter().zip(&places) {
+        if let Some(known) = results.scene(&row.name) {
+            known.check_same(&known.voxels_sha256, place.stand_in.as_deref())?;
+        }
+    }
     let known = results.cases.len();
     let mut bench = Bench {
         suite: &suite,
@@ -124,16 +133,18 @@ pub(super) fn run(args: &Args) -> Result<()> {
     let mut before = 0.0;
     for scene in 0..suite.scenes.len() {
         let of_scene = || planned.iter().filter(|p| p.group.scene == scene);
+        let pictures = suite.pictures.iter();
+        let pictures = pictures.filter(|row| suite.scene(&row.scene) == Some(scene));
         for planned in of_scene() {
             let weight = planned.group.weight(&suite);
             bench.measure(planned, &mut |f| progress.set((before + f * weight) / all))?;
             before += weight;
         }
-        for row in &suite.pictures {
-            if let Some(planned) = of_scene().find(|_| suite.scene(&row.scene) == Some(scene)) {
-                bench
-                    .show(row, planned)
-                    .map_err(|e| e.in_file(&args.suite))?;
+        // Any group of the scene tells how it is loaded.
+        if let Some(planned) = of_scene().next() {
+            for row in pictures {
+                let shown = bench.show(row, planned);
+                shown.map_err(|e| e.in_file(&args.suite))?;
             }
         }
     }
@@ -238,12 +249,17 @@ impl Bench<'_> {
             renderer.set_transfer(transfer.clone());
         }
         let row = &self.suite.scenes[scene];
-        if self.results.scene(&row.name).is_none() {
+        let voxels_sha256 = SceneRecord::voxels_sha256(&volume);
+        let stand_in = &self.places[scene].stand_in;
+        if let Some(known) = self.results.scene(&row.name) {
+            known.check_same(&voxels_sha256, stand_in.as_deref())?;
+        } else {
             let record = SceneRecord {
                 name: row.name.clone(),
-                title: row.title.clone().unwrap_or_else(|| row.name.clone()),
+                title: titled(row, stand_in.as_deref()),
                 volume: row.volume.clone(),
-                stand_in: self.places[scene].stand_in.clone(),
+                stand_in: stand_in.clone(),
+                voxels_sha256,
                 dims: volume.dims,
                 bytes: volume.bytes(),
                 load_ms,
@@ -278,7 +294,8 @@ impl Bench<'_> {
                 let settings = settings(args, mode, volume, camera)?;
                 let settings = settings_on(drawing.info().backend, &settings);
                 Ok(match args.methods[0] {
-                    MethodChoice::Only(skip) => has(drawing, skip, &mode).then_some(settings),
+                    MethodChoice::Only(skip) => has(drawing, skip, &settings).then_some(settings),
+                    MethodChoice::Auto if !has_classes(drawing, &settings) => None,
                     MethodChoice::Auto => Some(drawing.choose(&settings)?.in_settings(&settings)),
                 })
             });
@@ -295,11 +312,27 @@ impl Bench<'_> {
     }
 }
 
-/// Whether a renderer draws a method itself, in this mode.
-pub(super) fn has(renderer: &Renderer, skip: Skip, mode: &Mode) -> bool {
+/// A scene's title, which tells wherever it stands what was drawn in its place.
+fn titled(row: &SceneRow, stand_in: Option<&str>) -> String {
+    let title = row.title.as_ref().unwrap_or(&row.name);
+    match stand_in {
+        Some(phantom) => format!("{title} ({phantom} in its place)"),
+        None => title.clone(),
+    }
+}
+
+/// Whether a renderer draws a method itself, in the mode and classification of these settings.
+pub(super) fn has(renderer: &Renderer, skip: Skip, settings: &Settings) -> bool {
     renderer.has(skip)
         && !renderer.withdrawn().contains(&skip)
-        && mode.check_backend(renderer.info().backend).is_ok()
+        && settings.mode.check_backend(renderer.info().backend).is_ok()
+        && has_classes(renderer, settings)
+}
+
+/// Whether it has the classification: what backend `auto` comes to is not known to the suite.
+fn has_classes(renderer: &Renderer, settings: &Settings) -> bool {
+    let backend = renderer.info().backend;
+    settings.classification.check_backend(backend).is_ok()
 }
 
 /// What a command draws in one view.

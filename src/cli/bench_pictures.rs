@@ -19,6 +19,11 @@ impl Bench<'_> {
         self.load(planned)?;
         let shown = self.shown(row, planned, renderer)?;
         let Some(first) = shown.first() else {
+            let scene = row.scene.escape_debug();
+            let backend = &row.backend;
+            eprintln!(
+                "notice: no picture of \"{scene}\": {backend} has none of its methods in this mode"
+            );
             return Ok(());
         };
         let about = PictureRecord {
@@ -26,7 +31,9 @@ impl Bench<'_> {
             scene: row.scene.clone(),
             backend: row.backend.clone(),
             method: String::new(),
+            block: row.block,
             step: row.step.clone(),
+            mode: row.mode.clone(),
             what: What::Picture,
             scale: 1.0,
             size: [row.size; 2],
@@ -59,8 +66,9 @@ impl Bench<'_> {
     /// Whether a row is in the results.
     fn has_pictures(&self, row: &PictureRow) -> bool {
         self.results.pictures.iter().any(|p| {
-            (&p.scene, &p.backend, &p.step, p.size)
-                == (&row.scene, &row.backend, &row.step, [row.size; 2])
+            let of_row = (&row.scene, &row.backend, &row.step, &row.mode, row.block);
+            (&p.scene, &p.backend, &p.step, &p.mode, p.block) == of_row
+                && p.size == [row.size; 2]
                 && row.methods.contains(&p.method)
         })
     }
@@ -90,7 +98,7 @@ impl Bench<'_> {
             let camera = args.scene.camera.camera(volume, 0.0);
             let settings = settings(&args, mode, volume, camera)?;
             if let MethodChoice::Only(skip) = args.methods[0]
-                && has(renderer, skip, &mode)
+                && has(renderer, skip, &settings)
             {
                 shown.push(Shown {
                     command: suite_words::line("render", &place.word, &of_render),

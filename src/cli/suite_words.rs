@@ -25,8 +25,9 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Looks for a scene's volume: among the scans that ship, then in `folder`, then for a stand-in.
-    pub(super) fn of(scene: &SceneRow, folder: Option<&Path>) -> Result<Self> {
+    /// Looks for a scene's volume: among the scans that ship, seen from here and from the folder of the suite's file, then in
+    /// `folder`, then for a stand-in.
+    pub(super) fn of(scene: &SceneRow, suite: &Path, folder: Option<&Path>) -> Result<Self> {
         let name = &scene.volume;
         let found = |path: String, word: String| Self {
             path,
@@ -40,8 +41,16 @@ impl Place {
         if Path::new(&shipped).is_file() {
             return Ok(found(shipped.clone(), quoted(&shipped)));
         }
+        // Of a suite in this folder the parent is "", and ".." leads on from any.
+        let beside = suite.parent().map(|own| own.join("..").join(&shipped));
+        if let Some(path) = beside.filter(|p| p.is_file()) {
+            // Commands are those that hold in the project's folder.
+            let path = path.to_string_lossy().into_owned();
+            return Ok(found(path, quoted(&shipped)));
+        }
         if let Some(path) = folder.map(|f| f.join(name)).filter(|p| p.is_file()) {
-            let word = format!("\"${DATA}/{name}\"");
+            // The variable alone is live: in the name nothing is.
+            let word = format!("\"${DATA}\"/{}", quoted(name));
             return Ok(found(path.to_string_lossy().into_owned(), word));
         }
         match &scene.stand_in {
@@ -112,16 +121,34 @@ mod tests {
         let scene = |more: &str| -> SceneRow {
             toml::from_str(&format!("name = \"s\"\nvolume = \"none.nrrd\"\n{more}")).unwrap()
         };
-        let place = Place::of(&scene("stand_in = \"phantom:pot:16\""), None).unwrap();
+        let suite = Path::new("suites/s.toml");
+        let place = Place::of(&scene("stand_in = \"phantom:pot:16\""), suite, None).unwrap();
         assert_eq!(
             (place.path.as_str(), place.stand_in.is_some()),
             ("phantom:pot:16", true)
         );
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("none.nrrd"), "").unwrap();
-        let place = Place::of(&scene(""), Some(folder.path())).unwrap();
-        assert_eq!(place.word, "\"$HOLLOWCAST_DATA/none.nrrd\"");
-        let error = Place::of(&scene(""), None).unwrap_err();
+        let place = Place::of(&scene(""), suite, Some(folder.path())).unwrap();
+        assert_eq!(place.word, "\"$HOLLOWCAST_DATA\"/none.nrrd");
+        let error = Place::of(&scene(""), suite, None).unwrap_err();
         assert!(error.is_bad_input() && error.to_string().contains("none.nrrd"));
+        // From another folder, the scans that ship lie beside the suite's.
+        let data = folder.path().join("data");
+        std::fs::create_dir(&data).unwrap();
+        std::fs::write(data.join("none.nrrd"), "").unwrap();
+        let suite = folder.path().join("benches/s.toml");
+        std::fs::create_dir(folder.path().join("benches")).unwrap();
+        let place = Place::of(&scene(""), &suite, None).unwrap();
+        assert_eq!(place.word, "data/none.nrrd");
+        assert!(Path::new(&place.path).is_file());
+        // A name stays a name in a command that is copied into a shell.
+        std::fs::write(folder.path().join("a$(b)"), "").unwrap();
+        let live = SceneRow {
+            volume: "a$(b)".to_owned(),
+            ..scene("")
+        };
+        let place = Place::of(&live, &suite, Some(folder.path())).unwrap();
+        assert_eq!(place.word, "\"$HOLLOWCAST_DATA\"/'a$(b)'");
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::metrics::{Metrics, metrics};
+use super::metrics::{Metrics, metrics, perceived};
 use super::race::{Entrant, Noise, Outcome, race};
 use super::truth::{Truth, Truths};
 use crate::camera::Camera;
@@ -138,6 +138,10 @@ pub struct Row {
     pub mean_abs_diff_vs_reference: Option<f64>,
     /// The share of their pixels that are off by more than 1/255.
     pub off_share_vs_reference: Option<f64>,
+    /// Structural similarity, the mean over the views; `None` too where the pictures are too small for it.
+    pub ssim_vs_reference: Option<f64>,
+    /// FLIP, likewise.
+    pub flip_vs_reference: Option<f64>,
 }
 
 /// What [`compare`] found.
@@ -255,10 +259,12 @@ pub fn compare(
                     structure_bytes: outcome.preparation.structure_bytes,
                     differing_pixels_vs_box: outcome.differing_pixels,
                     max_abs_diff_vs_box: outcome.max_abs,
-                    psnr_vs_reference_db: error.map(|e| e.psnr_db()),
-                    max_abs_diff_vs_reference: error.map(|e| e.max_abs),
-                    mean_abs_diff_vs_reference: error.map(|e| e.mean_abs),
-                    off_share_vs_reference: error.map(|e| e.off_share),
+                    psnr_vs_reference_db: error.map(|(e, _)| e.psnr_db()),
+                    max_abs_diff_vs_reference: error.map(|(e, _)| e.max_abs),
+                    mean_abs_diff_vs_reference: error.map(|(e, _)| e.mean_abs),
+                    off_share_vs_reference: error.map(|(e, _)| e.off_share),
+                    ssim_vs_reference: error.and_then(|(_, [ssim, _])| finite(ssim)),
+                    flip_vs_reference: error.and_then(|(_, [_, flip])| finite(flip)),
                 });
             }
             all.extend(outcomes);
@@ -403,12 +409,13 @@ fn truths(reference: &Renderer, plan: &Plan) -> Result<Vec<Truth>> {
         .collect()
 }
 
+/// How far an entrant's pictures are from these, and the means of their SSIM and FLIP.
 fn error(
     renderer: &mut Renderer,
     entrant: &Entrant,
     plan: &Plan,
     truth: &[Truth],
-) -> Result<Option<Metrics>> {
+) -> Result<Option<(Metrics, [f64; 2])>> {
     if truth.is_empty() {
         return Ok(None);
     }
@@ -418,5 +425,13 @@ fn error(
             Ok(renderer.render(&settings)?.picture)
         })
         .collect::<Result<_>>()?;
-    Ok(Some(metrics(pictures.iter().zip(truth))))
+    let seen = pictures.iter().zip(truth).map(perceived);
+    let [ssim, flip] = seen.fold([0.0; 2], |[ssim, flip], s| [ssim + s.ssim, flip + s.flip]);
+    let views = truth.len() as f64;
+    let metrics = metrics(pictures.iter().zip(truth));
+    Ok(Some((metrics, [ssim / views, flip / views])))
+}
+
+fn finite(number: f64) -> Option<f64> {
+    number.is_finite().then_some(number)
 }

@@ -11,7 +11,7 @@ use crate::sample::Sampler;
 use crate::scene::{Counters, Picture};
 use crate::skip::Skip;
 
-/// Noise of a view's medians ([`noise`], of its entrants the middle one's) above which its rounds are run again.
+/// Noise of a view's medians ([`noise`], of its entrants the worst one's) above which its rounds are run again.
 pub const NOISE_BOUND: f64 = 0.05;
 /// How often, at most.
 pub const AGAIN: usize = 2;
@@ -143,8 +143,8 @@ impl Noise {
 
 /// Whether a view's medians are too noisy to stop at.
 fn is_noisy(outcomes: &[Outcome], view: usize) -> bool {
-    let all: Vec<f64> = outcomes.iter().filter_map(|o| o.noise(view)).collect();
-    !all.is_empty() && median(&all) > NOISE_BOUND
+    let mut all = outcomes.iter().filter_map(|o| o.noise(view));
+    all.any(|noise| noise > NOISE_BOUND)
 }
 
 /// Lets all entrants draw all views, `rounds` times each, in turns.

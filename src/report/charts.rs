@@ -6,6 +6,7 @@ mod pareto;
 mod work;
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 use super::figure::{self, Figure, Series};
 use super::model::{Case, Model};
@@ -139,14 +140,37 @@ fn step(case: &Case) -> f64 {
     case.record.step_voxels
 }
 
-/// A key as a part of a file's name.
+/// The edges of a picture, one where they are equal.
+fn edges([width, height]: [u32; 2]) -> String {
+    if width == height {
+        width.to_string()
+    } else {
+        format!("{width}x{height}")
+    }
+}
+
+/// A key as a part of a file's name. Different keys give different names: what cannot stand in one stands as its number.
 pub(super) fn file_name(key: &str) -> String {
-    let plain = |c: char| {
+    let mut name = String::new();
+    for c in key.chars() {
         if c.is_ascii_alphanumeric() || c == '-' || c == '.' {
-            c
+            name.push(c);
         } else {
-            '_'
+            // Writing to a String cannot fail.
+            let _ = write!(name, "_{:x}_", u32::from(c));
         }
-    };
-    key.chars().map(plain).collect()
+    }
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn different_keys_give_different_names() {
+        assert_eq!(file_name("shell-0.5"), "shell-0.5");
+        assert_ne!(file_name("\u{e9}"), file_name("\u{fc}"));
+        assert_ne!(edges([24, 12]), edges([24, 48]));
+    }
 }

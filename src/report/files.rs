@@ -36,8 +36,10 @@ pub fn write_charts(figures: &[Figure], folder: &Path) -> Result<Vec<PathBuf>> {
 /// # Errors
 /// [`Error::Io`]; [`Error::File`] where the results hold no picture in its place.
 pub fn write_pictures(results: &[Results], folder: &Path) -> Result<Vec<PathBuf>> {
-    let mut paths = Vec::new();
-    for picture in results.iter().flat_map(|r| &r.pictures) {
+    let mut paths: Vec<PathBuf> = Vec::new();
+    let all = results.iter().enumerate();
+    let all = all.flat_map(|(i, r)| r.pictures.iter().map(move |p| (i, p)));
+    for (i, picture) in all {
         let what = match picture.what {
             What::Picture => "picture",
             What::Difference => "difference",
@@ -48,9 +50,17 @@ pub fn write_pictures(results: &[Results], folder: &Path) -> Result<Vec<PathBuf>
             backend,
             step,
             method,
+            mode,
+            block,
+            size: [width, _],
             ..
         } = picture;
-        let name = format!("{what}-{scene}-{backend}-{step}-{method}");
+        let run = if results.len() > 1 {
+            format!("{}-", i + 1)
+        } else {
+            String::new()
+        };
+        let name = format!("{what}-{run}{scene}-{backend}-{step}-{mode}-{block}-{width}-{method}");
         let path = folder.join(format!("{}.png", file_name(&name)));
         let bytes = STANDARD.decode(&picture.png);
         let bytes = bytes.map_err(|e| Error::file(&path, "picture", e.to_string()))?;

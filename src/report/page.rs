@@ -8,6 +8,7 @@ use super::number::short;
 use super::svg;
 use super::tables::{NONE, Row, Table, Tables};
 use crate::measure::suite::{PictureRecord, Results, What};
+use crate::mode::MODES;
 
 const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("script.js");
@@ -49,6 +50,10 @@ pub(super) fn page(
                     h1 { "Speed against accuracy: " (title) }
                     p { "Measured by hollowcast. Under every chart and table are the commands that measure its numbers again; \
                          a point of a chart tells its own when it is pointed at or tapped." }
+                    @if model.cases.iter().any(|c| c.record.command.contains("$HOLLOWCAST_DATA")) {
+                        p { "Where they name " code { "$HOLLOWCAST_DATA" } ", that is the folder of scans that do not ship with the program: "
+                            code { "export HOLLOWCAST_DATA=FOLDER" } " before." }
+                    }
                 }
                 main {
                     (section("on", "What it was measured on", html! { @for (i, one) in model.results.iter().enumerate() { (header(one, i, model.results.len())) } (lossless(model)) }))
@@ -85,7 +90,10 @@ fn section(id: &str, title: &str, content: impl maud::Render) -> Markup {
 fn charts(id: &str, title: &str, figures: &[&Figure]) -> Markup {
     html! {
         @if !figures.is_empty() {
-            (section(id, title, html! { div class=[(id != "error").then_some("wide")] { @for figure in figures { (svg::figure(figure)) } } }))
+            (section(id, title, html! {
+                @if id == "error" { p { "Errors are those of the first view, times the means of all views." } }
+                div class=[(id != "error").then_some("wide")] { @for figure in figures { (svg::figure(figure)) } }
+            }))
         }
     }
 }
@@ -149,7 +157,7 @@ fn table(table: &Table) -> Markup {
             h3 { (table.title) }
             div class="scroll" {
                 table {
-                    thead { tr { @for name in &table.head { th { (name) } } } }
+                    thead { tr { @for (i, name) in table.head.iter().enumerate() { th class=[has_numbers(table, i).then_some("n")] { (name) } } } }
                     tbody { @for row in &table.rows { (table_row(row)) } }
                 }
             }
@@ -176,23 +184,24 @@ fn table_row(row: &Row) -> Markup {
 }
 
 fn is_number(cell: &str) -> bool {
-    cell == NONE || cell.starts_with(|c: char| c.is_ascii_digit())
+    let unsigned = cell.strip_prefix(['-', '\u{2212}']).unwrap_or(cell);
+    cell == NONE || unsigned.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// Whether the cells under a heading are numbers, so that it stands over them.
+fn has_numbers(table: &Table, column: usize) -> bool {
+    let mut cells = table.rows.iter().filter_map(|row| row.cells.get(column));
+    cells.clone().next().is_some() && cells.all(|cell| is_number(cell))
 }
 
 /// What methods draw, row by row.
-fn pictures(model: &Model) -> Markup {
-    let mut sets: Vec<Vec<(&Results, &PictureRecord)>> = Vec::new();
+fn pictures<'a>(model: &Model<'a>) -> Markup {
+    let mut sets: Vec<Vec<(&'a Results, &'a PictureRecord)>> = Vec::new();
     for results in model.results {
         for picture in &results.pictures {
-            let is_same = |o: &PictureRecord| {
-                (&o.scene, &o.backend, &o.step, o.size)
-                    == (
-                        &picture.scene,
-                        &picture.backend,
-                        &picture.step,
-                        picture.size,
-                    )
-            };
+            let key =
+                |p: &'a PictureRecord| (&p.scene, &p.backend, &p.step, &p.mode, p.block, p.size);
+            let is_same = |other: &'a PictureRecord| key(other) == key(picture);
             match sets
                 .iter_mut()
                 .find(|s| std::ptr::eq(s[0].0, results) && is_same(s[0].1))
@@ -217,7 +226,7 @@ fn picture_set(set: &[(&Results, &PictureRecord)]) -> Markup {
     let of = |what: What| set.iter().map(|(_, p)| *p).filter(move |p| p.what == what);
     let most = of(What::Samples).next().map_or(1.0, |p| p.scale);
     html! {
-        h3 { (title) ", step " (first.step) ", " (first.backend) }
+        h3 { (title) ", step " (first.step) ", " (first.backend) @if first.mode != MODES[0].name { ", " (first.mode) } ", blocks of " (first.block) }
         (row(of(What::Picture), "Pictures", "What is drawn; the first is the truth, the converged picture."))
         (row(of(What::Difference), "Differences from the truth",
             "Largest absolute difference of a pixel's channels, amplified as stands under it: at \u{d7} 100 white is a difference of 0.01 and more."))

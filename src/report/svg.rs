@@ -63,6 +63,9 @@ pub(super) fn figure(figure: &Figure) -> Markup {
                 }
             }
             p class="told" hidden { }
+            @if !figure.series.iter().flat_map(|s| &s.points).any(|p| can_draw([p.x, p.y])) {
+                p class="note" { "No point can be drawn: axes are logarithmic, and no number is above 0." }
+            }
             @if !figure.note.is_empty() { p class="note" { (figure.note) } }
             details class="commands" {
                 summary { "Points and the commands that measure them" }
@@ -145,7 +148,7 @@ fn drawn(series: &Series, place: &impl Fn([f64; 2]) -> [f64; 2]) -> Markup {
             }
             // The mark is scaled by the style sheet, within the group that moves it.
             @for (at, point) in points() {
-                g transform=(translate(place(at))) {
+                g transform=(translate(place(at))) tabindex="0" {
                     path class={ "p " (mark_class(series.mark)) } d=(mark_path(series.mark)) {
                         title { (point.label) "\n" (point.command) }
                     }

@@ -4,7 +4,7 @@ use super::file::{SceneRow, Suite, Sweep};
 use crate::measure::compare::Against;
 use crate::mode::MODES;
 use crate::render::{BackendChoice, DEFAULT_BLOCK, MethodChoice};
-use crate::sample::Sampler;
+use crate::sample::{Classification, Sampler};
 use crate::skip::Skip;
 
 /// One method on one backend with all that it is drawn with, in the words of the command.
@@ -165,7 +165,7 @@ fn of_sweep(suite: &Suite, sweep: &Sweep, scene: usize) -> Vec<Group> {
                                 size: size.clone(),
                                 repeat: sweep.repeat.unwrap_or(suite.repeat),
                                 truth: sweep.truth,
-                                cases: cases(sweep, mode, sampler),
+                                cases: cases(sweep, mode, sampler, *classification),
                             });
                         }
                     }
@@ -176,9 +176,15 @@ fn of_sweep(suite: &Suite, sweep: &Sweep, scene: usize) -> Vec<Group> {
     groups
 }
 
-/// The methods that have the mode and the sampler, each in every block size if it has blocks at all.
-fn cases(sweep: &Sweep, mode: &str, sampler: &str) -> Vec<Case> {
+/// The methods that have the mode, the sampler and the classification, each in every block size if it has blocks at all.
+fn cases(sweep: &Sweep, mode: &str, sampler: &str, classification: Option<&String>) -> Vec<Case> {
     let mut cases = Vec::new();
+    // A name that is none is left in, for the command to refuse.
+    let class = classification
+        .and_then(|name| Classification::ALL.iter().find(|c| c.name() == name))
+        .copied()
+        .unwrap_or_default();
+    let is_post = class == Classification::Post;
     for backend in &sweep.backends {
         // Other backends interpolate in one way only, and what auto will be is not known yet.
         let has_sampler = backend == BackendChoice::Gpu.name()
@@ -187,8 +193,12 @@ fn cases(sweep: &Sweep, mode: &str, sampler: &str) -> Vec<Case> {
         let has = |backends: &[&str]| {
             backend == BackendChoice::Auto.name() || backends.contains(&backend.as_str())
         };
+        let has_class =
+            backend == BackendChoice::Auto.name() || class.check_backend(backend).is_ok();
         let row = MODES.iter().find(|row| row.name == mode);
-        if !has_sampler || row.is_some_and(|row| !has(row.backends)) {
+        // Modes that do not read the table make no use of another classification.
+        let has_mode = row.is_none_or(|row| has(row.backends) && (is_post || row.takes_table));
+        if !has_sampler || !has_class || !has_mode {
             continue;
         }
         for method in &sweep.methods {
@@ -196,9 +206,9 @@ fn cases(sweep: &Sweep, mode: &str, sampler: &str) -> Vec<Case> {
             let has_blocks = match choice {
                 MethodChoice::Auto => false,
                 MethodChoice::Only(skip) => {
-                    // Adaptive follows the table, of which the other modes make no use.
-                    let is_possible =
-                        skip != Skip::Adaptive || row.is_some_and(|row| row.takes_table);
+                    // Adaptive follows the table, value by value, of which the other modes make no use.
+                    let is_possible = skip != Skip::Adaptive
+                        || (is_post && row.is_some_and(|row| row.takes_table));
                     if !has(skip.method().backends) || !is_possible {
                         continue;
                     }
@@ -267,6 +277,30 @@ steps = ["0.5"]
                 .iter()
                 .all(|n| !n.starts_with("adaptive"))
         );
+    }
+
+    #[test]
+    fn a_classification_is_drawn_by_what_has_it() {
+        let text = SUITE
+            .replace(
+                "modes = [\"emission-absorption\", \"phong\"]",
+                "classifications = [\"post\", \"pre\"]\nmodes = [\"emission-absorption\", \"mip\"]",
+            )
+            .replace("[\"cpu\", \"gpu\"]", "[\"cpu\", \"gpu\", \"reference\"]");
+        let suite = Suite::from_toml(&text).unwrap();
+        let groups = suite.groups();
+        let pre = || {
+            let is_pre = |g: &&Group| g.classification.as_deref() == Some("pre");
+            groups.iter().filter(is_pre)
+        };
+        assert!(pre().count() > 0 && pre().all(|g| g.mode == "emission-absorption"));
+        let cases = || pre().flat_map(|g| &g.cases);
+        assert!(cases().any(|c| c.backend == "reference"));
+        assert!(cases().all(|c| c.backend != "cpu" && c.method != "adaptive"));
+        let post = groups
+            .iter()
+            .filter(|g| g.classification.as_deref() == Some("post"));
+        assert!(post.flat_map(|g| &g.cases).any(|c| c.backend == "cpu"));
     }
 
     #[test]

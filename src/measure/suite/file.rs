@@ -6,7 +6,6 @@ use serde::Deserialize;
 
 use crate::error::{Error, Result};
 use crate::measure::toml_text;
-use crate::render::{BackendChoice, MethodChoice};
 
 /// A suite as its file describes it.
 #[derive(Debug, Clone, Deserialize)]
@@ -160,30 +159,6 @@ fn usual_size() -> Vec<String> {
     vec!["512x512".to_owned()]
 }
 
-/// Cases that a suite may come to: days of measuring.
-const MAX_CASES: f64 = 10_000.0;
-
-impl Sweep {
-    /// How many cases it comes to at most; those that stand for one another are not taken off.
-    fn cases(&self) -> f64 {
-        [
-            self.scenes.len(),
-            self.backends.len(),
-            self.methods.len(),
-            self.blocks.len(),
-            self.steps.len(),
-            self.samplers.len(),
-            self.classifications.len().max(1),
-            self.modes.len(),
-            self.ert.len(),
-            self.sizes.len(),
-        ]
-        .into_iter()
-        .map(|n| n as f64)
-        .product()
-    }
-}
-
 impl Suite {
     /// Reads a suite.
     ///
@@ -208,100 +183,6 @@ impl Suite {
     /// The scene of this name.
     pub fn scene(&self, name: &str) -> Option<usize> {
         self.scenes.iter().position(|s| s.name == name)
-    }
-
-    fn check(&self) -> Result<()> {
-        at_least_one("repeat", self.repeat > 0)?;
-        at_least_one("scene", !self.scenes.is_empty())?;
-        at_least_one("sweep", !self.sweeps.is_empty())?;
-        for (i, scene) in self.scenes.iter().enumerate() {
-            let field = |name: &str| format!("scene \"{}\": {name}", scene.name.escape_debug());
-            if self.scenes[..i].iter().any(|s| s.name == scene.name) {
-                return Err(Error::setting(field("name"), "another scene has it too"));
-            }
-            at_least_one(&field("views"), scene.views > 0)?;
-            if let Some(stand_in) = &scene.stand_in
-                && !stand_in.starts_with("phantom:")
-            {
-                return Err(Error::setting(
-                    field("stand_in"),
-                    "expected phantom:NAME:SIZE",
-                ));
-            }
-            if Path::new(&scene.volume).is_absolute() {
-                let reason = "expected a file's name in the folder of data, or phantom:NAME:SIZE";
-                return Err(Error::setting(field("volume"), reason));
-            }
-        }
-        for (i, sweep) in self.sweeps.iter().enumerate() {
-            let field = |name: &str| format!("sweep {}: {name}", i + 1);
-            for (name, is_empty) in [
-                ("scenes", sweep.scenes.is_empty()),
-                ("backends", sweep.backends.is_empty()),
-                ("methods", sweep.methods.is_empty()),
-                ("blocks", sweep.blocks.is_empty()),
-                ("steps", sweep.steps.is_empty()),
-                ("samplers", sweep.samplers.is_empty()),
-                ("modes", sweep.modes.is_empty()),
-                ("ert", sweep.ert.is_empty()),
-                ("sizes", sweep.sizes.is_empty()),
-                ("repeat", sweep.repeat == Some(0)),
-            ] {
-                at_least_one(&field(name), !is_empty)?;
-            }
-            for scene in &sweep.scenes {
-                self.check_scene(&field("scenes"), scene)?;
-            }
-            check_names(&field("backends"), &sweep.backends, is_backend)?;
-            check_names(&field("methods"), &sweep.methods, is_method)?;
-        }
-        let cases = self.sweeps.iter().map(Sweep::cases).sum::<f64>();
-        if cases > MAX_CASES {
-            let reason = format!("{cases} cases; at most {MAX_CASES} are possible");
-            return Err(Error::setting("sweep", reason));
-        }
-        for (i, picture) in self.pictures.iter().enumerate() {
-            let field = |name: &str| format!("picture {}: {name}", i + 1);
-            self.check_scene(&field("scene"), &picture.scene)?;
-            at_least_one(&field("methods"), !picture.methods.is_empty())?;
-            let backend = std::slice::from_ref(&picture.backend);
-            check_names(&field("backend"), backend, is_backend)?;
-            check_names(&field("methods"), &picture.methods, is_method)?;
-            if !(1..=1024).contains(&picture.size) {
-                return Err(Error::setting(field("size"), "expected 1 to 1024 pixels"));
-            }
-        }
-        Ok(())
-    }
-
-    fn check_scene(&self, field: &str, name: &str) -> Result<()> {
-        check_names(field, &[name.to_owned()], |n| self.scene(n).is_some())
-    }
-}
-
-fn is_backend(name: &str) -> bool {
-    BackendChoice::ALL.iter().any(|b| b.name() == name)
-}
-
-fn is_method(name: &str) -> bool {
-    MethodChoice::from_name(name).is_some()
-}
-
-fn check_names(field: &str, names: &[String], is_known: impl Fn(&str) -> bool) -> Result<()> {
-    match names.iter().find(|name| !is_known(name)) {
-        Some(name) => {
-            let reason = format!("there is no \"{}\"", name.escape_debug());
-            Err(Error::setting(field, reason))
-        }
-        None => Ok(()),
-    }
-}
-
-fn at_least_one(field: &str, has: bool) -> Result<()> {
-    if has {
-        Ok(())
-    } else {
-        Err(Error::setting(field, "must be at least one"))
     }
 }
 

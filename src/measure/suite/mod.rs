@@ -3,6 +3,7 @@
 //! A case is one line of the results, and the command that makes it again is its name.
 
 mod case;
+mod check;
 mod file;
 mod pictures;
 mod record;

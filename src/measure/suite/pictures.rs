@@ -56,8 +56,10 @@ pub fn pictures(
         .unwrap_or(0);
     for (shown, counted) in shown.iter().zip(&counted) {
         let size = counted.picture.size;
-        let amplification = amplification(counted.picture.difference(&truth.picture).max_abs);
-        let difference = difference(&counted.picture, &truth.picture, amplification as f32);
+        let difference = difference(&counted.picture, truth);
+        let amplification =
+            amplification(f64::from(difference.iter().copied().fold(0.0, f32::max)));
+        let difference = amplified(&difference, size, amplification as f32);
         for (what, scale, picture) in [
             (
                 What::Picture,
@@ -94,16 +96,28 @@ fn amplification(largest: f64) -> f64 {
     }
 }
 
-/// The largest absolute difference of a pixel's channels, amplified, as grey.
-fn difference(picture: &Picture, truth: &Picture, amplification: f32) -> Picture {
-    let pixel = |(a, b): (&[f32; 4], &[f32; 4])| {
+/// The largest absolute difference of each pixel's channels; 0 where the truth is masked, as in every other measure.
+fn difference(picture: &Picture, truth: &Truth) -> Vec<f32> {
+    let pixels = picture.rgba.iter().zip(&truth.picture.rgba);
+    let pixel = |((a, b), masked): ((&[f32; 4], &[f32; 4]), &bool)| {
         let channels = a.iter().zip(b).map(|(x, y)| (x - y).abs());
-        let grey = (channels.fold(0.0, f32::max) * amplification).min(1.0);
+        if *masked {
+            0.0
+        } else {
+            channels.fold(0.0, f32::max)
+        }
+    };
+    pixels.zip(&truth.masked).map(pixel).collect()
+}
+/// The same as grey, amplified.
+fn amplified(difference: &[f32], size: [u32; 2], amplification: f32) -> Picture {
+    let pixel = |d: &f32| {
+        let grey = (d * amplification).min(1.0);
         [grey, grey, grey, 1.0]
     };
     Picture {
-        size: picture.size,
-        rgba: picture.rgba.iter().zip(&truth.rgba).map(pixel).collect(),
+        size,
+        rgba: difference.iter().map(pixel).collect(),
     }
 }
 

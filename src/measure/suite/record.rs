@@ -1,11 +1,15 @@
 //! The lines of a results file.
 
+use std::fmt::Write as _;
+
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use super::file::Paper;
 use crate::measure::machine::Machine;
 use crate::measure::statistics::Quartiles;
 use crate::render::BackendInfo;
+use crate::volume::Volume;
 
 /// One line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -102,12 +106,14 @@ impl AdapterRecord {
 pub struct SceneRecord {
     /// Its name in the suite.
     pub name: String,
-    /// Its title.
+    /// Its title, with what was drawn in its place.
     pub title: String,
     /// The volume that the suite names.
     pub volume: String,
     /// The phantom that was drawn in its place, where it was missing.
     pub stand_in: Option<String>,
+    /// Names its voxels and their spacing.
+    pub voxels_sha256: String,
     /// Voxels along x, y, z, as drawn.
     pub dims: [usize; 3],
     /// Bytes of its voxels.
@@ -118,6 +124,27 @@ pub struct SceneRecord {
     pub paper: Option<Paper>,
     /// Scenes of one family differ in size alone.
     pub family: Option<String>,
+}
+
+impl SceneRecord {
+    /// What names a volume's voxels, in hexadecimal.
+    pub fn voxels_sha256(volume: &Volume) -> String {
+        let mut hash = Sha256::new();
+        // Numbers print as what reads back the same.
+        hash.update(format!(
+            "{:?} {:?} {:?} {:?} ",
+            volume.voxels.voxel_type(),
+            volume.dims,
+            volume.spacing,
+            volume.rescale,
+        ));
+        hash.update(volume.voxels.as_bytes());
+        hash.finalize().iter().fold(String::new(), |mut hex, byte| {
+            // Writing to a String cannot fail.
+            let _ = write!(hex, "{byte:02x}");
+            hex
+        })
+    }
 }
 
 /// A case as it was measured. Times are medians of each view's runs, averaged over the views; so are quartiles.
@@ -236,8 +263,12 @@ pub struct PictureRecord {
     pub backend: String,
     /// The method's name; `truth` for the truth itself.
     pub method: String,
+    /// Block edge in voxels.
+    pub block: usize,
     /// The step.
     pub step: String,
+    /// The mode.
+    pub mode: String,
     /// What is shown.
     pub what: What,
     /// Amplification of a difference, most samples of a map, 1 of a picture.

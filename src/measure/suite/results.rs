@@ -1,7 +1,7 @@
 //! Results files: JSON Lines that grow by whole lines, so that a run which was stopped can go on.
 
-use std::fs::{File, OpenOptions};
-use std::io::{Seek, SeekFrom, Write};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use super::record::{CaseRecord, Header, PictureRecord, Record, SceneRecord};
@@ -35,8 +35,10 @@ impl Results {
     /// # Errors
     /// [`Error::Io`]; [`Error::File`] naming the first line that is no record.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
-        Self::parse(whole_lines(&text), path)?
+        let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+        let text = std::str::from_utf8(whole_lines(&bytes))
+            .map_err(|_| Error::file(path, "content", "is not valid UTF-8"))?;
+        Self::parse(text, path)?
             .ok_or_else(|| Error::file(path, "line 1", "expected the header of a results file"))
     }
 
@@ -70,9 +72,14 @@ impl Results {
     }
 }
 
-fn whole_lines(text: &str) -> &str {
-    &text[..text.rfind('\n').map_or(0, |end| end + 1)]
+/// Cut before it is decoded: whoever was stopped may have been in the middle of a letter.
+fn whole_lines(bytes: &[u8]) -> &[u8] {
+    let end = bytes.iter().rposition(|&b| b == b'\n');
+    &bytes[..end.map_or(0, |end| end + 1)]
 }
+
+/// How a file of results begins.
+const HEADER: &[u8] = b"{\"kind\":\"header\"";
 
 /// Appends records to a file.
 #[derive(Debug)]
@@ -90,18 +97,31 @@ impl Writer {
         let io = |e| Error::io(path, e);
         let mut file = OpenOptions::new()
             .read(true)
-            .write(true)
+            .append(true)
             .create(true)
-            .truncate(false)
             .open(path)
             .map_err(io)?;
-        let bytes = std::fs::read(path).map_err(io)?;
-        let text = String::from_utf8(bytes).map_err(|_| not_ours(path))?;
-        let whole = whole_lines(&text);
+        // Held until the writer is dropped.
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let reason = "another bench writes to it; name another file or wait";
+                return Err(Error::file(path, "output", reason));
+            }
+            Err(TryLockError::Error(error)) => {
+                // Some network folders have no locks: lines are appended whole there, too.
+                tracing::warn!("{}: cannot be locked: {error}", path.display());
+            }
+        }
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(io)?;
+        let whole = whole_lines(&bytes);
+        let is_cut_header = HEADER.starts_with(&bytes[..bytes.len().min(HEADER.len())]);
         // A header that was cut off is one of ours; anything else without a whole line is not.
-        if whole.is_empty() && !(text.is_empty() || text.starts_with("{\"kind\":\"header\"")) {
+        if whole.is_empty() && !is_cut_header {
             return Err(not_ours(path));
         }
+        let whole = std::str::from_utf8(whole).map_err(|_| not_ours(path))?;
         // Of a header alone nothing is lost: a suite that failed at once can be mended and run again.
         let known = Results::parse(whole, path)?.filter(|r| !r.scenes.is_empty());
         let whole = if known.is_some() { whole } else { "" };
@@ -109,7 +129,6 @@ impl Writer {
             check_same(path, &results.header, header)?;
         }
         file.set_len(whole.len() as u64).map_err(io)?;
-        file.seek(SeekFrom::End(0)).map_err(io)?;
         let mut writer = Self {
             path: path.to_owned(),
             file,
@@ -140,6 +159,28 @@ impl Writer {
             .write_all(text.as_bytes())
             .and_then(|()| self.file.flush())
             .map_err(|e| Error::io(&self.path, e))
+    }
+}
+
+impl SceneRecord {
+    /// Refuses a scene whose data is not what the results were measured of.
+    ///
+    /// # Errors
+    /// [`Error::Setting`] naming the scene.
+    pub fn check_same(&self, voxels_sha256: &str, stand_in: Option<&str>) -> Result<()> {
+        let reason = if self.stand_in.as_deref() != stand_in {
+            let named = |stand_in: Option<&str>| stand_in.unwrap_or(&self.volume).to_owned();
+            let (then, now) = (named(self.stand_in.as_deref()), named(stand_in));
+            format!("the results were measured of {then}, now there is {now}")
+        } else if self.voxels_sha256 != voxels_sha256 {
+            format!("{} is not what the results were measured of", self.volume)
+        } else {
+            return Ok(());
+        };
+        Err(Error::setting(
+            format!("scene \"{}\"", self.name),
+            format!("{reason}; name another file of results or remove this one"),
+        ))
     }
 }
 
@@ -207,6 +248,7 @@ mod tests {
             title: String::new(),
             volume: String::new(),
             stand_in: None,
+            voxels_sha256: String::new(),
             dims: [1; 3],
             bytes: 1,
             load_ms: 0.5,
@@ -232,10 +274,33 @@ mod tests {
             writer.append(&[scene("two")]).unwrap();
             assert_eq!(std::fs::read_to_string(&path).unwrap(), whole);
         }
+        // Two at once would write into one another's lines.
+        let error = {
+            let (_first, _) = Writer::open(&path, &header("a")).unwrap();
+            Writer::open(&path, &header("a")).unwrap_err()
+        };
+        assert!(error.is_bad_input() && error.to_string().contains("another bench"));
+        // Stopped in the middle of a letter.
+        let half = [whole.as_bytes(), &"{\"kind\":\"\u{f6}".as_bytes()[..10]].concat();
+        std::fs::write(&path, &half).unwrap();
+        assert_eq!(Results::read(&path).unwrap().scenes.len(), 2);
+        assert_eq!(Writer::open(&path, &header("a")).unwrap().1.scenes.len(), 2);
         // Stopped within the header.
         std::fs::write(&path, &whole[..30]).unwrap();
         let (_, results) = Writer::open(&path, &header("a")).unwrap();
         assert!(results.scenes.is_empty());
+    }
+
+    #[test]
+    fn other_data_is_told_from_what_was_measured() {
+        let Record::Scene(scene) = scene("one") else {
+            unreachable!()
+        };
+        assert!(scene.check_same("", None).is_ok());
+        for (hash, stand_in) in [("0", None), ("", Some("phantom:pot:16"))] {
+            let error = scene.check_same(hash, stand_in).unwrap_err();
+            assert!(error.is_bad_input() && error.to_string().starts_with("scene \"one\": "));
+        }
     }
 
     #[test]

@@ -64,11 +64,9 @@ pub fn run(
             Some(truth) => Some(error(renderer, &contestant.views[0], truth)?),
             None => None,
         };
-        records.push(CaseRecord {
-            box_ms: outcomes[base].mean(|t| t.frame_ms),
-            error,
-            ..heat.record(contestant, outcome, renderer.info().backend)
-        });
+        let box_ms = outcomes[base].mean(|t| t.frame_ms);
+        let backend = renderer.info().backend;
+        records.push(heat.record(contestant, outcome, backend, box_ms, error));
     }
     progress(1.0);
     Ok(records)
@@ -108,7 +106,14 @@ impl Heat<'_> {
     }
 
     /// What the race saw of a contestant.
-    fn record(&self, contestant: &Contestant, outcome: &Outcome, backend: &str) -> CaseRecord {
+    fn record(
+        &self,
+        contestant: &Contestant,
+        outcome: &Outcome,
+        backend: &str,
+        box_ms: f64,
+        error: Option<ErrorRecord>,
+    ) -> CaseRecord {
         let Contestant {
             case,
             command,
@@ -142,7 +147,7 @@ impl Heat<'_> {
             gpu_ms: outcome.gpu_ms(),
             noise: noise_of(outcome),
             read_back_ms: outcome.read_back_ms,
-            box_ms: f64::NAN,
+            box_ms,
             preprocess_ms: outcome.preparation.preprocess_ms,
             cull_ms: outcome.preparation.cull_ms,
             structure_bytes: outcome.preparation.structure_bytes,
@@ -151,7 +156,7 @@ impl Heat<'_> {
             skip_steps: outcome.counters.skip_steps as f64 / pixels,
             differing_pixels_vs_box: outcome.differing_pixels,
             max_abs_vs_box: outcome.max_abs,
-            error: None,
+            error,
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::figure::{Axis, Figure};
 use super::super::model::{Case, Model};
-use super::{by, file_name, noise, series, varied};
+use super::{by, edges, file_name, noise, series, varied};
 
 /// What is upwards: a part of the figure's name, a title, a unit and a number.
 type Number = (&'static str, &'static str, &'static str, fn(&Case) -> f64);
@@ -30,7 +30,10 @@ pub(super) fn figures(model: &Model) -> Vec<Figure> {
         let record = c.record;
         format!(
             "{}-{}-{}-{}",
-            c.scene.name, record.step, record.size[0], record.ert
+            c.scene.name,
+            record.step,
+            edges(record.size),
+            record.ert
         )
     });
     let mut figures = Vec::new();

@@ -3,7 +3,7 @@
 use super::super::figure::{self, Axis, Figure, Series};
 use super::super::model::{Case, Model};
 use super::super::papers::REAL_TIME_MS;
-use super::{by, fastest_blocks, file_name, ms, noise, varied};
+use super::{by, edges, fastest_blocks, file_name, ms, noise, varied};
 use crate::measure::statistics::line_through;
 
 /// Frame time over the size of volumes of one family.
@@ -12,7 +12,8 @@ pub(super) fn over_volumes(model: &Model) -> Vec<Figure> {
     let groups = by(of_families, |c| {
         let family = c.scene.family.as_deref().unwrap_or_default();
         let record = c.record;
-        format!("{family}-{}-{}-{}", record.step, record.size[0], record.ert)
+        let size = edges(record.size);
+        format!("{family}-{}-{size}-{}", record.step, record.ert)
     });
     let figure = |(key, cases): (String, Vec<Case>)| {
         let growing = growing(&cases, voxels_an_axis, 2)?;

@@ -15,11 +15,19 @@ pub(super) fn table(model: &Model) -> Table {
         Row {
             cells: vec![
                 case.scene.title.clone(),
-                r.method.clone(),
+                r.chosen.as_ref().map_or_else(
+                    || r.method.clone(),
+                    |chosen| format!("{}: {chosen}", r.method),
+                ),
                 case.kind(),
                 r.mode.clone(),
                 r.step.clone(),
-                r.block.to_string(),
+                // Box has none, and what auto chose says its own.
+                if r.method == "box" || r.method == "auto" {
+                    NONE.to_owned()
+                } else {
+                    r.block.to_string()
+                },
                 r.ert.clone(),
                 format!("{}x{}", r.size[0], r.size[1]),
                 format!(
