@@ -35,7 +35,7 @@ impl Results {
     /// # Errors
     /// [`Error::Io`]; [`Error::File`] naming the first line that is no record.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+        let text = crate::text_file::read(path, crate::text_file::MEASURED_BYTES)?;
         Self::parse(whole_lines(&text), path)?
             .ok_or_else(|| Error::file(path, "line 1", "expected the header of a results file"))
     }
@@ -88,6 +88,9 @@ impl Writer {
     /// [`Error::File`] where there is another file of that name, with what is different; [`Error::Io`].
     pub fn open(path: &Path, header: &Header) -> Result<(Self, Results)> {
         let io = |e| Error::io(path, e);
+        if path.metadata().is_ok_and(|m| !m.is_file()) {
+            return Err(Error::file(path, "file", "is not a regular file"));
+        }
         let mut file = OpenOptions::new()
             .read(true)
             .write(true)
