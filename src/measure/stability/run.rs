@@ -5,13 +5,15 @@ use super::scenery::{Judged, Scenery};
 use super::truths;
 use super::{Hazard, LOSSY_MAX_ABS, REFERENCE_MAX_ABS, REFERENCE_PSNR_DB, Row, SLOW, Verdict};
 use crate::error::{Error, Result};
-use crate::measure::metrics::metrics;
+use crate::measure::metrics::{Metrics, metrics};
 use crate::measure::race::{Entrant, race};
 use crate::measure::truth::Truth;
 use crate::render::{BackendChoice, Renderer, Settings};
 use crate::scene::Picture;
 use crate::skip::Skip;
 
+/// Pictures whose brightest channel is below this are held to bounds relative to it.
+const FAINT: f64 = 1.0 / 16.0;
 /// Timed runs of every entrant.
 const ROUNDS: usize = 5;
 
@@ -228,7 +230,7 @@ impl Judge<'_> {
         let in_sequence = self.scenery.judged == Judged::InSequence;
         let changed = in_sequence.then(|| worst_change(pictures, expected));
         let pops = changed.is_some_and(|[c, b]| c > b + LOSSY_MAX_ABS);
-        let is_near = off.max_abs <= REFERENCE_MAX_ABS && off.psnr_db() >= REFERENCE_PSNR_DB;
+        let is_near = is_near(&off, self.reference);
         let is_finite = pictures
             .iter()
             .all(|p| p.rgba.as_flattened().iter().all(|c| c.is_finite()));
@@ -273,6 +275,16 @@ impl Judge<'_> {
     }
 }
 
+/// Whether pictures so far apart from `expected` are near enough. Where the brightest channel of all is faint, the bounds
+/// are parts of that: black pictures would pass otherwise.
+fn is_near(off: &Metrics, expected: &[Picture]) -> bool {
+    let channels = expected.iter().flat_map(|p| p.rgba.as_flattened());
+    let peak = f64::from(channels.fold(0.0_f32, |most, c| most.max(c.abs())));
+    let scale = if peak < FAINT { peak } else { 1.0 };
+    off.max_abs <= REFERENCE_MAX_ABS * scale
+        && off.psnr_db() >= REFERENCE_PSNR_DB - 20.0 * scale.log10()
+}
+
 /// Largest change of any channel from one picture to the next, and how much is expected there: of the pair of neighbours
 /// whose change is the most over what is expected. A pop in a small movement is not hidden by a large movement elsewhere.
 fn worst_change(pictures: &[Picture], expected: &[Picture]) -> [f64; 2] {
@@ -291,7 +303,7 @@ fn worst_change(pictures: &[Picture], expected: &[Picture]) -> [f64; 2] {
 /// Box on one backend against box on another: group 10.
 fn between(hazard: &Hazard, backends: [&str; 2], a: &[Picture], b: &[Picture]) -> Row {
     let apart = metrics(b.iter().zip(a));
-    let is_near = apart.max_abs <= REFERENCE_MAX_ABS && apart.psnr_db() >= REFERENCE_PSNR_DB;
+    let is_near = is_near(&apart, a);
     let pairs = b.iter().zip(a);
     Row {
         hazard: hazard.name.into(),
@@ -313,6 +325,20 @@ fn between(hazard: &Hazard, backends: [&str; 2], a: &[Picture], b: &[Picture]) -
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn black_pictures_are_not_near_faint_ones() {
+        let picture = |level: f32| Picture {
+            size: [1, 1],
+            rgba: vec![[level; 4]],
+        };
+        let near = |level: f32, expected: f32| {
+            let [a, b] = [level, expected].map(picture);
+            is_near(&metrics([(&a, &b)]), &[b.clone()])
+        };
+        assert!(!near(0.0, 1e-4) && near(1e-4, 1e-4) && near(1.0001e-4, 1e-4));
+        assert!(near(0.0, 0.0) && !near(1e-6, 0.0));
+    }
 
     #[test]
     fn a_pop_in_a_small_movement_is_not_hidden_by_a_large_one() {
