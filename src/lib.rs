@@ -16,6 +16,7 @@ pub mod report;
 pub mod sample;
 pub mod scene;
 pub mod skip;
+mod text_file;
 pub mod transfer;
 #[cfg(feature = "viewer")]
 pub mod viewer;

@@ -6,6 +6,8 @@ use hollowcast::measure::suite::Results;
 use hollowcast::report::Atlas;
 use hollowcast::{Error, Result, report};
 
+use super::same_file::is_same_file;
+
 const EXAMPLES: &str = "\
 Examples:
   hollowcast bench benches/quick.toml -o quick.jsonl
@@ -43,22 +45,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
-    for (name, output) in [
-        ("output", Some(&args.output)),
-        ("tables", args.tables.as_ref()),
-    ] {
-        let Some(output) = output else { continue };
-        let bad = |reason: &str| Err(Error::file(output, name, reason));
-        if args.results.contains(output) {
-            return bad("is one of the results, which would be lost");
-        }
-        if args.stability.as_ref() == Some(output) {
-            return bad("is the table of hazards, which would be lost");
-        }
-        if output.is_dir() {
-            return bad("is a folder");
-        }
-    }
+    check_outputs(args)?;
     let atlas = args.stability.as_deref().map(Atlas::read).transpose()?;
     let results = args.results.iter().map(|path| Results::read(path));
     let results = results.collect::<Result<Vec<_>>>()?;
@@ -74,4 +61,37 @@ pub(super) fn run(args: &Args) -> Result<()> {
     }
     let lines: Vec<String> = files.iter().map(|f| f.display().to_string()).collect();
     super::print(&(lines.join("\n") + "\n"))
+}
+
+/// Checks, before anything is read, that no output is a folder, an input or another output.
+fn check_outputs(args: &Args) -> Result<()> {
+    let outputs = [
+        ("output", Some(&args.output)),
+        ("tables", args.tables.as_ref()),
+    ];
+    for (name, output) in outputs {
+        let Some(output) = output else { continue };
+        let bad = |reason: &str| Err(Error::file(output, name, reason));
+        if args.results.iter().any(|r| is_same_file(r, output)) {
+            return bad("is one of the results, which would be lost");
+        }
+        if args
+            .stability
+            .as_ref()
+            .is_some_and(|s| is_same_file(s, output))
+        {
+            return bad("is the table of hazards, which would be lost");
+        }
+        if output.is_dir() {
+            return bad("is a folder");
+        }
+    }
+    match &args.tables {
+        Some(tables) if is_same_file(tables, &args.output) => Err(Error::file(
+            tables,
+            "tables",
+            "is the page too, which would be lost",
+        )),
+        _ => Ok(()),
+    }
 }

@@ -16,6 +16,7 @@ mod phantom;
 mod progress;
 mod render;
 mod report;
+mod same_file;
 mod scene_args;
 mod slice_args;
 mod stability;

@@ -9,6 +9,7 @@ use hollowcast::volume::{Crop, Endian, RawLayout, Scalar, Source, Volume};
 use hollowcast::{Error, Result};
 
 use super::progress::Progress;
+use super::same_file::is_same_file;
 use super::values;
 
 /// A volume and what is done to it before anything else.
@@ -109,11 +110,7 @@ impl VolumeArgs {
         if folder.is_some_and(|p| !p.is_dir()) {
             return bad("its folder does not exist");
         }
-        let is_input = |output: &Path| {
-            let [a, b] = [output, Path::new(&self.volume)].map(Path::canonicalize);
-            matches!((a, b), (Ok(a), Ok(b)) if a == b)
-        };
-        if is_input(output) {
+        if is_same_file(output, Path::new(&self.volume)) {
             return bad("is the volume itself, which would be lost");
         }
         Ok(())

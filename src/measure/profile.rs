@@ -43,7 +43,7 @@ impl Profile {
     /// # Errors
     /// [`Error::Io`], or [`Error::File`] naming the line or field that is wrong.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+        let text = crate::text_file::read(path, crate::text_file::WRITTEN_BYTES)?;
         Self::from_toml(&text).map_err(|e| e.in_file(path))
     }
 

@@ -29,7 +29,7 @@ impl Atlas {
     /// # Errors
     /// [`Error::Io`]; [`Error::File`] naming what is no such report.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+        let text = crate::text_file::read(path, crate::text_file::MEASURED_BYTES)?;
         serde_json::from_str(&text).map_err(|e| {
             let reason = format!("is not what `hollowcast stability --json` prints: {e}");
             Error::file(path, format!("line {}", e.line()), reason)

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use super::preset::{PRESETS, warm_ramp};
 use super::{ControlPoint, TransferFunction};
 use crate::error::{Error, Result};
+use crate::text_file::{self, WRITTEN_BYTES};
 use crate::volume::Statistics;
 
 /// A file's content.
@@ -29,9 +30,6 @@ struct Point {
 fn one_voxel() -> f64 {
     1.0
 }
-
-/// Largest file that is read.
-const MAX_FILE_BYTES: u64 = 1 << 20;
 
 impl TransferFunction {
     /// The transfer function that a user asks for: a preset's name (see [`super::PRESETS`]), a shorthand
@@ -74,15 +72,7 @@ impl TransferFunction {
     /// # Errors
     /// [`Error::Io`] where it cannot be read, [`Error::File`] naming the field that is wrong.
     pub fn from_file(path: &Path) -> Result<Self> {
-        let len = path.metadata().map_err(|e| Error::io(path, e))?.len();
-        if len > MAX_FILE_BYTES {
-            return Err(Error::file(
-                path,
-                "file",
-                "is too large for a transfer function",
-            ));
-        }
-        let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, e))?;
+        let text = text_file::read(path, WRITTEN_BYTES)?;
         Self::from_toml(&text).map_err(|e| e.in_file(path))
     }
 

@@ -3,10 +3,11 @@
 use glam::DVec3;
 
 use super::Hazard;
-use super::scenery::{DIRECTIONS, Scenery, looking, parallel};
+use super::scenery::{BLOCK, DIRECTIONS, Scenery, looking, parallel};
 use super::volumes::{carved, case, radius};
 use crate::camera::{Camera, Orbit, Projection};
 use crate::error::Result;
+use crate::octree::Occupancy;
 use crate::volume::{Volume, phantom};
 
 pub(super) const HAZARDS: &[Hazard] = &[
@@ -26,7 +27,7 @@ pub(super) const HAZARDS: &[Hazard] = &[
         name: "eye-on-cut",
         group: 1,
         about: "the camera stands on the plane that half-split cuts at",
-        make: || Ok(at(|n| DVec3::new(n * 0.5, n * 0.5, n * 0.5))),
+        make: || Ok(at(cut)),
     },
     Hazard {
         name: "eye-on-block-face",
@@ -107,6 +108,12 @@ pub(super) const HAZARDS: &[Hazard] = &[
         make: magnified,
     },
 ];
+
+/// Where half-split cuts a cube of `n` voxels, on every axis, in the blocks that hazards are drawn with.
+fn cut(n: f64) -> DVec3 {
+    let occupancy = Occupancy::new([n as usize; 3], BLOCK);
+    DVec3::from_array([0, 1, 2].map(|axis| (occupancy.half_cut(axis) * BLOCK) as f64))
+}
 
 fn shells(n: usize) -> Result<Volume> {
     phantom::make("shells", [n; 3])

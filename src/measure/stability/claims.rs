@@ -163,7 +163,7 @@ mod tests {
             error_vs_truth: None,
             time_vs_box: Some(time),
             change: None,
-            boxs_change: None,
+            change_expected: None,
         };
         for (time, is_shown) in [(0.5, true), (0.14, false), (0.1, false)] {
             let rows = [

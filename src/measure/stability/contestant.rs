@@ -52,7 +52,7 @@ impl Contestant {
     }
 
     /// Whether it can draw on this renderer.
-    pub(super) fn is_on(self, renderer: &Renderer) -> bool {
+    pub fn is_on(self, renderer: &Renderer) -> bool {
         match self {
             Self::Method(skip) => renderer.has(skip),
             Self::Filter | Self::PreClassified => renderer.info().backend == "gpu",

@@ -51,9 +51,9 @@ pub(super) const HAZARDS: &[Hazard] = &[
         make: || Ok(Scenery::from_outside(one_per_block(32, 8)).with(|s| s.block = 8)),
     },
     Hazard {
-        name: "shells-2-to-16-walls",
+        name: "shells-16-walls",
         group: 6,
-        about: "nested shells that a ray crosses 2, 4, 8 and 16 walls of",
+        about: "nested shells that a ray crosses 16 walls of",
         make: || Ok(nested(16)),
     },
     Hazard {
@@ -61,6 +61,12 @@ pub(super) const HAZARDS: &[Hazard] = &[
         group: 6,
         about: "nested shells that a ray crosses 8 walls of",
         make: || Ok(nested(8)),
+    },
+    Hazard {
+        name: "shells-4-walls",
+        group: 6,
+        about: "nested shells that a ray crosses 4 walls of",
+        make: || Ok(nested(4)),
     },
     Hazard {
         name: "shells-2-walls",

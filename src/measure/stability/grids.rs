@@ -13,8 +13,14 @@ pub(super) const HAZARDS: &[Hazard] = &[
     Hazard {
         name: "one-slice",
         group: 7,
-        about: "a volume one voxel thick, across each axis",
+        about: "a volume one voxel thick, across x",
         make: || shaped([1, 29, 31]),
+    },
+    Hazard {
+        name: "one-slice-across-y",
+        group: 7,
+        about: "a volume one voxel thick, across y",
+        make: || shaped([31, 1, 29]),
     },
     Hazard {
         name: "one-slice-across-z",

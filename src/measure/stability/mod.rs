@@ -35,9 +35,9 @@ pub use scenery::{Frame, Judged, Scenery};
 pub use summary::{Tally, cell, markdown, tallies};
 
 /// Largest distance of a channel of an exact picture from the f64 reference's.
-pub const TRUTH_MAX_ABS: f64 = 2.0 / 255.0;
+pub const REFERENCE_MAX_ABS: f64 = 2.0 / 255.0;
 /// Smallest PSNR of an exact picture against the f64 reference's.
-pub const TRUTH_PSNR_DB: f64 = 60.0;
+pub const REFERENCE_PSNR_DB: f64 = 60.0;
 /// Largest distance of a channel of a lossy picture from box's.
 pub const LOSSY_MAX_ABS: f64 = 1.0 / 255.0;
 /// Frames that take this many times as long as box's are slow.
@@ -137,8 +137,9 @@ pub struct Row {
     pub error_vs_truth: Option<f64>,
     /// Time of a frame over box's: medians of interleaved runs. `None` where the hazard is not one of time.
     pub time_vs_box: Option<f64>,
-    /// Largest change of a channel from one frame to the next, where the frames are a sequence.
+    /// Largest change of a channel from one frame to the next, where the frames are a sequence: between the two frames
+    /// where it is the most over what is expected.
     pub change: Option<f64>,
-    /// The same of box.
-    pub boxs_change: Option<f64>,
+    /// Largest change of a channel there of box; of box itself, of the f64 reference.
+    pub change_expected: Option<f64>,
 }

@@ -26,7 +26,7 @@ pub(super) const HAZARDS: &[Hazard] = &[
         name: "negative-zero",
         group: 2,
         about: "direction components are exactly 0 and -0, in perspective too",
-        make: || Ok(negative_zero()),
+        make: || Ok(Scenery::new(object(), negative_zero())),
     },
     Hazard {
         name: "almost-parallel",
@@ -85,30 +85,32 @@ fn along_axes(offset: f64) -> Vec<Camera> {
     cameras.collect()
 }
 
-fn negative_zero() -> Scenery {
-    let n = N as f64;
-    let eye = DVec3::new(-40.0, n * 0.5, n * 0.5);
-    let mut cameras = vec![
-        looking(eye, DVec3::new(1.0, -0.0, -0.0), 40.0),
-        looking(eye, DVec3::new(1.0, 0.0, -0.0), 40.0),
-        parallel(eye, DVec3::new(1.0, -0.0, 0.0), 45.0),
-    ];
-    // On the planes of zeros themselves.
-    for eye in [DVec3::new(0.0, 0.0, -40.0), DVec3::new(-0.0, -0.0, -40.0)] {
-        cameras.push(Camera {
-            eye,
-            target: DVec3::new(-0.0, -0.0, 1.0),
-            up: DVec3::Y,
-            ..looking(eye, DVec3::Z, 60.0)
-        });
-        cameras.push(Camera {
-            eye,
-            target: DVec3::new(-0.0, 0.0, 1.0),
-            up: DVec3::Y,
-            ..parallel(eye, DVec3::Z, 45.0)
-        });
+fn negative_zero() -> Vec<Camera> {
+    let mut cameras = Vec::new();
+    for [a, b] in [[-0.0, 0.0], [0.0, -0.0], [-0.0, -0.0]] {
+        for (eye, target, up) in [
+            (
+                DVec3::new(-40.0, 0.0, 0.0),
+                DVec3::new(-39.0, a, b),
+                DVec3::Z,
+            ),
+            (
+                DVec3::new(0.0, 0.0, -40.0),
+                DVec3::new(a, b, -39.0),
+                DVec3::Y,
+            ),
+        ] {
+            // Only -0 less 0 is -0: the eye is on the planes of zeros, and the target is not the eye and a direction.
+            let at = |camera| Camera {
+                target,
+                up,
+                ..camera
+            };
+            cameras.push(at(looking(eye, target - eye, 60.0)));
+            cameras.push(at(parallel(eye, target - eye, 45.0)));
+        }
     }
-    Scenery::new(object(), cameras)
+    cameras
 }
 
 fn almost_parallel() -> Scenery {
@@ -166,14 +168,29 @@ fn diagonals(direction: DVec3) -> Vec<Camera> {
 
 fn grazing() -> Scenery {
     let n = N as f64;
-    let middle = DVec3::splat(n * 0.5);
     let mut cameras = Vec::new();
     for height in [0.0, n, 1e-4, n - 1e-4] {
         let eye = DVec3::new(-30.0, n * 0.5, height);
+        // Of an odd number of rows, the middle one's rays lie in the face, or a hair beside it.
         cameras.push(looking(eye, DVec3::X, 40.0));
-        // 32 rows over 32 voxels: the outermost rays lie in the faces, or a hair beside.
-        let eye = DVec3::new(-30.0, middle.y, height);
         cameras.push(parallel(eye, DVec3::X, 45.0));
     }
     Scenery::new(object(), cameras)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_camera_of_negative_zero_has_such_a_direction_and_no_two_are_one() {
+        let views: Vec<_> = negative_zero()
+            .iter()
+            .map(|c| (c.forward().to_array().map(f64::to_bits), c.projection))
+            .collect();
+        for (i, view) in views.iter().enumerate() {
+            assert!(view.0.contains(&(-0.0_f64).to_bits()), "camera {i}");
+            assert!(!views[..i].contains(view), "camera {i}");
+        }
+    }
 }

@@ -12,6 +12,8 @@ use glam::DVec3;
 /// Edge of a picture in pixels, unless a hazard needs another: odd, so that a ray goes through its middle, and no
 /// multiple of the marcher's tiles.
 const SIZE: u32 = 45;
+/// Voxels along a block's edge, unless a hazard needs another.
+pub(super) const BLOCK: usize = 4;
 /// Edge of the pictures of timed hazards.
 const TIMED_SIZE: u32 = 192;
 
@@ -53,7 +55,7 @@ impl Scenery {
         let frames = cameras.into_iter().map(|camera| Frame {
             settings: Settings {
                 sampler: Some(Sampler::Exact),
-                block: 4,
+                block: BLOCK,
                 ert: 1.0,
                 size: [SIZE; 2],
                 table_entries: TABLE_SIZES[0],

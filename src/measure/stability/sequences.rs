@@ -25,11 +25,14 @@ pub(super) const ORBITS: &[Hazard] = &[
     Hazard {
         name: "orbit-around-the-corner",
         group: 3,
-        about: "around the diagonal of the box by 0.1 degree: all three axes compete",
+        about: "around the diagonal of the box by at most 0.1 degree: all three axes compete",
         make: || {
             orbit(|t| {
+                // Ten steps around a circle of this radius are chords of 2 r sin(18 degrees) < 0.1 degrees.
+                const RADIUS_DEGREES: f64 = 0.16;
                 let turn = t * std::f64::consts::TAU;
-                (45.0 + 0.2 * turn.cos(), 35.264_39 + 0.2 * turn.sin())
+                let (east, north) = (RADIUS_DEGREES * turn.cos(), RADIUS_DEGREES * turn.sin());
+                (45.0 + east, 35.264_39 + north)
             })
         },
     },
@@ -37,25 +40,18 @@ pub(super) const ORBITS: &[Hazard] = &[
         name: "orbit-parallel-rays",
         group: 3,
         about: "the same change of axis with parallel rays, whose tiles all change at once",
-        make: || {
-            let mut scenery = orbit(|t| (44.5 + t, 20.0))?;
-            let extent = scenery.volume.extent();
-            for (i, frame) in scenery.frames.iter_mut().enumerate() {
-                frame.settings.camera = Orbit {
-                    azimuth_degrees: 44.5 + 0.1 * i as f64,
-                    distance_edges: 1.6,
-                    fov_y_degrees: None,
-                    ..Orbit::default()
-                }
-                .camera(extent);
-            }
-            Ok(scenery)
-        },
+        make: || circled(|t| (44.5 + t, 20.0), None),
     },
 ];
 
-/// Eleven frames around a hollow ball, at the azimuth and elevation of `t` = 0, 0.1 ... 1.
+/// With perspective: see [`circled`].
 fn orbit(place: impl Fn(f64) -> (f64, f64)) -> Result<Scenery> {
+    circled(place, Orbit::default().fov_y_degrees)
+}
+
+/// Eleven frames around a hollow ball, at the azimuth and elevation of `t` = 0, 0.1 ... 1; parallel rays without a field
+/// of view.
+fn circled(place: impl Fn(f64) -> (f64, f64), fov_y_degrees: Option<f64>) -> Result<Scenery> {
     let volume = phantom::make("shells", [32; 3])?;
     let extent = volume.extent();
     let cameras: Vec<Camera> = (0..=10)
@@ -65,6 +61,7 @@ fn orbit(place: impl Fn(f64) -> (f64, f64)) -> Result<Scenery> {
                 azimuth_degrees,
                 elevation_degrees,
                 distance_edges: 1.6,
+                fov_y_degrees,
                 ..Orbit::default()
             }
             .camera(extent)

@@ -4,7 +4,7 @@ use super::Hazard;
 use super::scenery::{Scenery, ramp, through};
 use super::volumes::{carved, case, numbers, radius, volume};
 use crate::error::Result;
-use crate::transfer::TABLE_SIZES;
+use crate::transfer::{TABLE_SIZES, TransferFunction};
 use crate::volume::{Volume, Voxels, phantom};
 
 pub(super) const HAZARDS: &[Hazard] = &[
@@ -38,7 +38,13 @@ pub(super) const HAZARDS: &[Hazard] = &[
         name: "peak-between-two-voxels",
         group: 5,
         about: "opacity only where interpolation passes between emptiness and matter: no voxel has the value",
-        make: || Ok(solid()?.through(&through(&[(90.0, 0.0), (100.0, 0.9), (110.0, 0.0)]))),
+        make: || {
+            let n = 33;
+            let voxels_of_two_numbers =
+                carved("hollow ball", n, |at| (7.0..11.0).contains(&radius(at, n)));
+            let between = through(&[(90.0, 0.0), (100.0, 0.9), (110.0, 0.0)]);
+            Ok(Scenery::from_outside(voxels_of_two_numbers).through(&between))
+        },
     },
     Hazard {
         name: "spike-of-one-entry",
@@ -127,15 +133,22 @@ pub(super) const HAZARDS: &[Hazard] = &[
     Hazard {
         name: "threshold-at-the-background",
         group: 5,
-        about: "opacity begins exactly at the background's value, in 8 and 16 bits far up",
+        about: "opacity begins exactly at the background's value, in 16 bits far up",
         make: || {
             let n = 30;
             let wide = numbers([n; 3], |at| 60_033 + u16::from(wall(at, n)) * 20);
             let wide = volume("16 bits far up", [n; 3], Voxels::U16(wide.into()));
-            let scenery = Scenery::from_outside(wide);
-            Ok(scenery
-                .through(&ramp(60_033.0, 65_535.0, 0.9))
-                .for_each(TABLE_SIZES, |frame, &n| frame.settings.table_entries = n))
+            Ok(at_background(wide, &ramp(60_033.0, 65_535.0, 0.9)))
+        },
+    },
+    Hazard {
+        name: "threshold-at-the-background-of-bytes",
+        group: 5,
+        about: "opacity begins exactly at the background's value, in 8 bits",
+        make: || {
+            let n = 30;
+            let bytes = super::volumes::bytes("bytes", [n; 3], |at| 33 + wall(at, n));
+            Ok(at_background(bytes, &ramp(33.0, 255.0, 0.9)))
         },
     },
     Hazard {
@@ -154,6 +167,13 @@ pub(super) const HAZARDS: &[Hazard] = &[
     },
 ];
 
+/// Through tables of every size.
+fn at_background(volume: Volume, transfer: &TransferFunction) -> Scenery {
+    Scenery::from_outside(volume)
+        .through(transfer)
+        .for_each(TABLE_SIZES, |frame, &n| frame.settings.table_entries = n)
+}
+
 /// A hollow ball with smooth walls.
 fn solid() -> Result<Scenery> {
     Ok(Scenery::from_outside(phantom::make("sphere", [33; 3])?))
@@ -170,4 +190,22 @@ fn extremes() -> Volume {
     super::volumes::bytes("extremes", [n; 3], |at| {
         if radius(at, n) < 10.0 { 255 } else { 0 }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_voxel_has_a_value_of_the_peak_between_two() {
+        let hazard = HAZARDS.iter().find(|h| h.name == "peak-between-two-voxels");
+        let scenery = (hazard.unwrap().make)().unwrap();
+        let Voxels::U8(voxels) = &scenery.volume.voxels else {
+            panic!("bytes")
+        };
+        let transfer = &scenery.frames[0].transfer;
+        let mut stored = voxels.iter();
+        assert!(stored.all(|&v| transfer.at(f64::from(v)).1 == 0.0));
+        assert!(transfer.at(100.0).1 > 0.0);
+    }
 }

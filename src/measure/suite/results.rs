@@ -35,7 +35,7 @@ impl Results {
     /// # Errors
     /// [`Error::Io`]; [`Error::File`] naming the first line that is no record.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
+        let bytes = crate::text_file::read_bytes(path, crate::text_file::MEASURED_BYTES)?;
         let text = std::str::from_utf8(whole_lines(&bytes))
             .map_err(|_| Error::file(path, "content", "is not valid UTF-8"))?;
         Self::parse(text, path)?
@@ -95,6 +95,9 @@ impl Writer {
     /// [`Error::File`] where there is another file of that name, with what is different; [`Error::Io`].
     pub fn open(path: &Path, header: &Header) -> Result<(Self, Results)> {
         let io = |e| Error::io(path, e);
+        if path.metadata().is_ok_and(|m| !m.is_file()) {
+            return Err(Error::file(path, "file", "is not a regular file"));
+        }
         let mut file = OpenOptions::new()
             .read(true)
             .append(true)
