@@ -334,7 +334,7 @@ mod tests {
         };
         let near = |level: f32, expected: f32| {
             let [a, b] = [level, expected].map(picture);
-            is_near(&metrics([(&a, &b)]), &[b.clone()])
+            is_near(&metrics([(&a, &b)]), std::slice::from_ref(&b))
         };
         assert!(!near(0.0, 1e-4) && near(1e-4, 1e-4) && near(1.0001e-4, 1e-4));
         assert!(near(0.0, 0.0) && !near(1e-6, 0.0));
