@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use hollowcast::measure::machine::Machine;
 use hollowcast::measure::stability::{
     Atlas, Contestant, Found, GROUPS, Hazard, Row, Verdict, Worst, findings, hazards, markdown,
     tallies,
@@ -226,7 +227,19 @@ fn document(hazards: &[&Hazard], rows: &[Row], adapters: &[String]) -> String {
                     difference from box of a channel whose full scale is 1; box's own column the largest difference from \
                     the f64 reference of the same scene, in 255ths.\n"
         .to_owned();
+    let build = if cfg!(debug_assertions) {
+        "debug"
+    } else {
+        "release"
+    };
     // Writing to a String cannot fail.
+    let _ = writeln!(
+        text,
+        "\nTaken on {} by a {build} build. Verdicts of right and wrong and all differences do not depend on that; times do \
+         (hazards whose names begin with `time-`, medians of interleaved runs). Make the table anew on the machine that \
+         you care about.",
+        Machine::this().words(),
+    );
     for adapter in adapters {
         let backend = adapter.split(' ').next().unwrap_or_default();
         let _ = writeln!(text, "\n## On {adapter}\n\n{}", markdown(rows, backend));

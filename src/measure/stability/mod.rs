@@ -133,7 +133,8 @@ pub struct Row {
     pub error_vs_reference: Option<f64>,
     /// Largest difference of any channel of the first frame from the picture that all tend to as the step goes to 0
     /// ([`crate::measure::truth`]), pixels at discontinuities left out: what the step, the interpolation and an early end of
-    /// rays cost, besides all else. `None` where it was not asked for, or the picture is too large.
+    /// rays cost, besides all else. It is that of one channel of one pixel, the worst, and may be 1 in a picture that is
+    /// right in all others. `None` where it was not asked for, or the picture is too large.
     pub error_vs_truth: Option<f64>,
     /// Time of a frame over box's: medians of interleaved runs. `None` where the hazard is not one of time.
     pub time_vs_box: Option<f64>,
