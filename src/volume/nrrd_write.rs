@@ -25,7 +25,7 @@ pub enum Packing {
 /// A [`Rescale`] goes into key/value lines of our own, for the format has no field for it.
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be written.
+/// [`crate::Error::Io`] where the file cannot be written.
 pub fn write_nrrd(volume: &Volume, path: &Path, packing: Packing) -> Result<()> {
     write_atomically(path, |out| {
         out.write_all(header(volume, packing).as_bytes())?;

@@ -163,7 +163,7 @@ impl Suite {
     /// Reads a suite.
     ///
     /// # Errors
-    /// [`Error::Io`], or [`Error::File`] naming the line or field that is wrong.
+    /// [`crate::Error::Io`], or [`crate::Error::File`] naming the line or field that is wrong.
     pub fn read(path: &Path) -> Result<Self> {
         let text = crate::text_file::read(path, crate::text_file::WRITTEN_BYTES)?;
         Self::from_toml(&text).map_err(|e| e.in_file(path))
@@ -172,7 +172,7 @@ impl Suite {
     /// Parses a suite's text. Values that `hollowcast compare` would take as flags are left to it to check.
     ///
     /// # Errors
-    /// [`Error::Setting`] naming the line or field that is wrong.
+    /// [`crate::Error::Setting`] naming the line or field that is wrong.
     pub fn from_toml(text: &str) -> Result<Self> {
         let mut suite: Self = toml_text::parse(text)?;
         suite.check()?;
