@@ -214,6 +214,8 @@ fn a_comparison_has_a_row_for_everything_that_was_asked_for() {
         "mean_abs_diff_vs_reference",
         "off_share_vs_reference",
         "psnr_vs_reference_db",
+        "ssim_vs_reference",
+        "flip_vs_reference",
     ];
     keys.sort_unstable();
     for row in rows {

@@ -316,7 +316,10 @@ fn check_folder(folder: &Path) -> Result<()> {
 /// How many times the difference is shown.
 const AMPLIFIED: f32 = 8.0;
 
-/// The picture, what it should be, and their difference, side by side.
+/// The least edge of a picture, in pixels, that can be looked at.
+const LEGIBLE: u32 = 256;
+
+/// The picture, what it should be, and their difference, side by side, each with what it is.
 fn write_worst(folder: &Path, hazard: &str, worst: &Worst) -> Result<()> {
     let difference = Picture {
         size: worst.picture.size,
@@ -333,14 +336,27 @@ fn write_worst(folder: &Path, hazard: &str, worst: &Worst) -> Result<()> {
             })
             .collect(),
     };
-    let pictures = [
-        output::over(&worst.picture, [0.0; 3]),
-        output::over(&worst.expected, [0.0; 3]),
-        difference,
+    let expected = if worst.method == "box" {
+        "reference"
+    } else {
+        "box"
+    };
+    let panels = [
+        (
+            output::over(&worst.picture, [0.0; 3]),
+            worst.method.to_owned(),
+        ),
+        (output::over(&worst.expected, [0.0; 3]), expected.to_owned()),
+        (difference, format!("difference x {AMPLIFIED}")),
     ];
+    let panels = panels.map(|(picture, words)| {
+        let picture = output::enlarged(&picture, LEGIBLE);
+        let caption = output::caption(&words, picture.size[0]);
+        output::stacked(&[picture, caption])
+    });
     let file = format!("{hazard}-{}-{}.png", worst.method, worst.backend);
     output::write(
-        &output::side_by_side(&pictures, 2),
+        &output::side_by_side(&panels, 4),
         &folder.join(file),
         PngEncoding::default(),
     )

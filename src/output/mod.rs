@@ -158,6 +158,20 @@ pub fn side_by_side(pictures: &[Picture], gap: u32) -> Picture {
     }
 }
 
+/// A picture whose pixels are squares of so many that its longer edge is no shorter than `edge`.
+pub fn enlarged(picture: &Picture, edge: u32) -> Picture {
+    let [width, height] = picture.size;
+    let times = edge.div_ceil(width.max(height).max(1)).max(1);
+    let rows = (0..height * times).flat_map(|y| {
+        let row = (y / times * width) as usize;
+        (0..width * times).map(move |x| picture.rgba[row + (x / times) as usize])
+    });
+    Picture {
+        size: [width * times, height * times],
+        rgba: rows.collect(),
+    }
+}
+
 /// Pictures of one width below each other.
 ///
 /// # Panics
@@ -219,6 +233,20 @@ mod tests {
             );
         }
         assert_eq!(Format::from_path(Path::new("A.PNG")).unwrap(), Format::Png);
+    }
+
+    #[test]
+    fn an_enlarged_picture_has_each_pixel_as_a_square() {
+        let [dark, light] = [[0.0; 4], [1.0; 4]];
+        let pair = Picture {
+            size: [2, 1],
+            rgba: vec![dark, light],
+        };
+        let large = enlarged(&pair, 3);
+        assert_eq!(large.size, [4, 2]);
+        let row = [dark, dark, light, light];
+        assert_eq!(large.rgba, [row, row].concat());
+        assert_eq!(enlarged(&large, 1), large);
     }
 
     #[test]
