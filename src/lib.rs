@@ -1,6 +1,7 @@
 //! hollowcast renders volumes that are mostly empty and spends no sample where nothing is visible.
 #![warn(missing_docs)]
 
+mod atomic_file;
 pub mod camera;
 pub mod cpu;
 pub mod error;

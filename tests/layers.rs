@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 const LAYERS: &[&[&str]] = &[
     &["error"],
     // Ray arithmetic knows no volume: readers, tables and samplers are generic over its numbers.
-    &["lattice", "text_file"],
+    &["lattice", "text_file", "atomic_file"],
     &["volume"],
     &["camera", "transfer", "gpu"],
     &["sample", "mode"],

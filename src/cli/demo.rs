@@ -13,7 +13,7 @@ use hollowcast::scene::CountedPicture;
 use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::{PRESETS, TransferFunction};
 use hollowcast::volume::{self, Statistics, Volume};
-use hollowcast::{Error, Result};
+use hollowcast::Result;
 
 use super::compare::{heading, measured, ready};
 use super::{report, table, values};
@@ -47,7 +47,7 @@ pub(super) struct Args {
 }
 
 pub(super) fn run(args: &Args) -> Result<()> {
-    fs::create_dir_all(&args.output).map_err(|e| Error::io(&args.output, e))?;
+    output::make_folder(&args.output)?;
     let volume = Arc::new(shell()?);
     let transfer = TransferFunction::from_spec(PRESETS[0].name, &Statistics::of(&volume))?;
     let mut renderers = [ready(args.backend, &volume, &transfer)?];

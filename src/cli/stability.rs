@@ -304,10 +304,7 @@ fn write(path: &Path, text: &str) -> Result<()> {
 
 /// Makes the folder, and checks that files can be written there before minutes are spent on what they are to hold.
 fn check_folder(folder: &Path) -> Result<()> {
-    if folder.exists() && !folder.is_dir() {
-        return Err(Error::file(folder, "output", "is no folder"));
-    }
-    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+    output::make_folder(folder)?;
     let trial = folder.join(".trial");
     write(&trial, "")?;
     std::fs::remove_file(&trial).map_err(|e| Error::io(&trial, e))

@@ -4,7 +4,6 @@
 //! straight (not premultiplied) colour as its specification asks, sRGB-encoded or linear, in 8 or 16 bits. A background
 //! is composited before anything is encoded, in linear light.
 
-mod atomic;
 pub mod chart;
 pub mod drawing;
 mod exr;
@@ -15,7 +14,7 @@ mod png;
 
 use std::path::Path;
 
-pub use atomic::write_atomically;
+pub use crate::atomic_file::write_atomically;
 pub use png::{Curve, Depth, linear_from_srgb, srgb_from_linear};
 
 use crate::error::{Error, Result};
@@ -156,6 +155,17 @@ pub fn side_by_side(pictures: &[Picture], gap: u32) -> Picture {
         size: [width, height],
         rgba,
     }
+}
+
+/// Makes a folder for files where it is missing.
+///
+/// # Errors
+/// [`Error::File`] where there is something else of that name, [`Error::Io`].
+pub fn make_folder(folder: &Path) -> Result<()> {
+    if folder.exists() && !folder.is_dir() {
+        return Err(Error::file(folder, "output", "is no folder"));
+    }
+    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))
 }
 
 /// A picture whose pixels are squares of so many that its longer edge is no shorter than `edge`.

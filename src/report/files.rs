@@ -11,14 +11,14 @@ use super::drawing::drawing;
 use super::figure::Figure;
 use crate::error::{Error, Result};
 use crate::measure::suite::{PictureRecord, Results, What};
-use crate::output::write_atomically;
+use crate::output::{make_folder, write_atomically};
 
 /// Writes every chart into a folder, which is made if it is missing; gives the files.
 ///
 /// # Errors
 /// [`Error::Io`].
 pub fn write_charts(figures: &[Figure], folder: &Path) -> Result<Vec<PathBuf>> {
-    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, e))?;
+    make_folder(folder)?;
     let mut paths = Vec::new();
     for figure in figures {
         let drawing = drawing(figure);

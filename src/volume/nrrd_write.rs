@@ -8,8 +8,8 @@ use flate2::write::GzEncoder;
 
 use super::nrrd::{INTERCEPT_KEY, SLOPE_KEY};
 use super::{Rescale, Volume};
+use crate::atomic_file::write_atomically;
 use crate::error::Result;
-use crate::output::write_atomically;
 
 /// How a written file holds its voxels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
