@@ -5,6 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use hollowcast::Result;
 use hollowcast::camera::Orbit;
 use hollowcast::measure::compare::{Against, Plan, ReferencePlan, Row};
 use hollowcast::output::{self, PngEncoding, heat};
@@ -13,7 +14,6 @@ use hollowcast::scene::CountedPicture;
 use hollowcast::skip::{METHODS, Skip};
 use hollowcast::transfer::{PRESETS, TransferFunction};
 use hollowcast::volume::{self, Statistics, Volume};
-use hollowcast::Result;
 
 use super::compare::{heading, measured, ready};
 use super::{report, table, values};
