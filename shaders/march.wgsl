@@ -2,6 +2,7 @@
 // asks for more (its colour, its gradient) where it needs it.
 #import shared/ray
 #import shared/march_settings
+#import shared/lanes
 #import skip/{SKIP}
 #import sample/{SAMPLER}
 #import mode/{MODE}
@@ -22,13 +23,13 @@ const LOOK_AHEAD = min(SEGMENTS_AHEAD, BLOCKS_AHEAD);
 const FINISHED = 0xffffffffu;
 
 @compute @workgroup_size(8, 8)
-fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+fn march(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) index: u32) {
     let tile_index = group.y * settings.tiles_per_row + group.x;
     if tile_index >= settings.tile_count {
         return;
     }
     let tile = tiles[settings.tile_first + tile_index];
-    let pixel = vec2u(tile.at & 0xffffu, tile.at >> 16u) * 8u + local.xy;
+    let pixel = pixel_of(tile, index);
     if any(pixel >= view.size) {
         return;
     }

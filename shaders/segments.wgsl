@@ -1,19 +1,20 @@
 // Before the march: lists the segments of every ray, merged, in as many slots as there are; what follows the last but one
 // is one segment up to the last exit. Twin of skip::segment_list.
 #import shared/walk
+#import shared/lanes
 
 @group(0) @binding(2) var<storage, read> tiles: array<Tile>;
 // See skip/segment_list.
 @group(1) @binding(1) var<storage, read_write> lists: array<vec2u>;
 
 @compute @workgroup_size(8, 8)
-fn segments(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+fn segments(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) index: u32) {
     let tile_index = group.y * settings.tiles_per_row + group.x;
     if tile_index >= settings.tile_count {
         return;
     }
     let tile = tiles[settings.tile_first + tile_index];
-    let pixel = vec2u(tile.at & 0xffffu, tile.at >> 16u) * 8u + local.xy;
+    let pixel = pixel_of(tile, index);
     if any(pixel >= view.size) {
         return;
     }

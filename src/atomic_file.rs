@@ -33,6 +33,8 @@ pub fn write_atomically(
         let mut writer = BufWriter::new(file);
         let written = fill(&mut writer)
             .and_then(|()| writer.flush())
+            // A rename can outlive its bytes where the power fails.
+            .and_then(|()| writer.get_ref().sync_all())
             .and_then(|()| fs::rename(&sibling, &target));
         if written.is_err() {
             // The first error is the one to report.

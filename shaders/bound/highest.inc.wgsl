@@ -10,7 +10,7 @@ const FULL = 254.0;
 
 fn may_add(block: vec3f, state: vec4f) -> bool {
     let b = vec3u(block);
-    let i = (b.z * settings.block_dims.y + b.y) * settings.block_dims.x + b.x;
-    let byte = (blocks[settings.majorants + i / 4u] >> (i % 4u * 8u)) & 0xffu;
+    let i = (b.z * view.block_dims.y + b.y) * view.block_dims.x + b.x;
+    let byte = (blocks[view.after_blocks + i / 4u] >> (i % 4u * 8u)) & 0xffu;
     return state.x * FULL < f32(byte);
 }

@@ -11,7 +11,7 @@ fn texel(x: i32, y: i32, z: i32) -> f32 {
 
 // The raw texel at the fraction `f`, per axis, from voxel `lower` to the next.
 fn fetch(lower: vec3f, f: vec3f) -> f32 {
-    let last = settings.dims - 1.0;
+    let last = view.dims - 1.0;
     let a = vec3i(clamp(lower, vec3f(0.0), last));
     let b = vec3i(clamp(lower + 1.0, vec3f(0.0), last));
     let x00 = vec2f(texel(a.x, a.y, a.z), texel(b.x, a.y, a.z));
@@ -32,7 +32,7 @@ fn voxel_color(x: i32, y: i32, z: i32) -> vec4f {
 
 // The same of colours.
 fn fetch_color(lower: vec3f, f: vec3f) -> vec4f {
-    let last = settings.dims - 1.0;
+    let last = view.dims - 1.0;
     let a = vec3i(clamp(lower, vec3f(0.0), last));
     let b = vec3i(clamp(lower + 1.0, vec3f(0.0), last));
     let x00 = along(voxel_color(a.x, a.y, a.z), voxel_color(b.x, a.y, a.z), f.x);

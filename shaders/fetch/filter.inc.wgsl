@@ -7,7 +7,7 @@
 
 // The raw texel at a grid position.
 fn fetch_at(grid: vec3f) -> f32 {
-    return textureSampleLevel(volume, volume_filter, grid * settings.inverse_dims, 0.0).x;
+    return textureSampleLevel(volume, volume_filter, grid * view.inverse_dims, 0.0).x;
 }
 
 // The raw texel at the fraction `f`, per axis, from voxel `lower` to the next.
@@ -17,7 +17,7 @@ fn fetch(lower: vec3f, f: vec3f) -> f32 {
 
 // The same of colours.
 fn fetch_color_at(grid: vec3f) -> vec4f {
-    return textureSampleLevel(colors, volume_filter, grid * settings.inverse_dims, 0.0);
+    return textureSampleLevel(colors, volume_filter, grid * view.inverse_dims, 0.0);
 }
 
 fn fetch_color(lower: vec3f, f: vec3f) -> vec4f {

@@ -10,7 +10,7 @@ fn mode_sample(state: ptr<function, vec4f>, x: f32, k: u32, ray: Ray) -> bool {
 }
 
 fn mode_done(state: vec4f) -> bool {
-    return state.a >= settings.ert;
+    return state.a >= view.ert;
 }
 
 fn mode_finish(state: vec4f, ray: Ray) -> vec4f {

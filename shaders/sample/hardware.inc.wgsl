@@ -2,7 +2,7 @@
 #import fetch/filter
 
 fn sample_x(grid: vec3f) -> f32 {
-    return (fetch_at(grid) - settings.raw_origin) * settings.x_scale;
+    return (fetch_at(grid) - view.raw_origin) * view.x_scale;
 }
 
 fn sample_rgba(grid: vec3f) -> vec4f {

@@ -6,12 +6,12 @@
 @group(0) @binding(10) var colors: texture_3d<f32>;
 
 fn sample_x(grid: vec3f) -> f32 {
-    let voxel = clamp(floor(grid), vec3f(0.0), settings.dims - 1.0);
+    let voxel = clamp(floor(grid), vec3f(0.0), view.dims - 1.0);
     let raw = textureLoad(volume, vec3i(voxel), 0).x;
-    return (raw - settings.raw_origin) * settings.x_scale;
+    return (raw - view.raw_origin) * view.x_scale;
 }
 
 fn sample_rgba(grid: vec3f) -> vec4f {
-    let voxel = clamp(floor(grid), vec3f(0.0), settings.dims - 1.0);
+    let voxel = clamp(floor(grid), vec3f(0.0), view.dims - 1.0);
     return textureLoad(colors, vec3i(voxel), 0);
 }

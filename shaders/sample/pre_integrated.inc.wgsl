@@ -15,9 +15,9 @@ fn interval_end(ray: Ray, k: u32) -> vec3f {
 
 // A value on the table, snapped to an entry as classification after interpolation does.
 fn on_table(x: f32) -> f32 {
-    let clamped = clamp(x, 0.0, settings.entries - 1.0);
+    let clamped = clamp(x, 0.0, view.entries - 1.0);
     let nearest = floor(clamped + 0.5);
-    return select(clamped, nearest, abs(clamped - nearest) < settings.snap);
+    return select(clamped, nearest, abs(clamped - nearest) < view.snap);
 }
 
 fn classify(x: f32, k: u32, ray: Ray) -> vec4f {
@@ -29,7 +29,7 @@ fn classify(x: f32, k: u32, ray: Ray) -> vec4f {
     kept_x = back;
     kept_k = k + 1u;
 
-    let n = u32(settings.entries);
+    let n = u32(view.entries);
     let i = vec2u(u32(front), u32(back));
     let f = vec2f(front, back) - floor(vec2f(front, back));
     let next = min(i + 1u, vec2u(n - 1u));

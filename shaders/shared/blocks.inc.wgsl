@@ -12,21 +12,21 @@ const REACH = 0.4375;
 
 // The block that a grid position lies in; the outermost reach outwards without end.
 fn block_at(at: vec3f) -> vec3f {
-    return clamp(floor(at / view.block), vec3f(0.0), vec3f(settings.block_dims) - 1.0);
+    return clamp(floor(at / view.block), vec3f(0.0), vec3f(view.block_dims) - 1.0);
 }
 
 // Whether a block is active, where `blocks` holds bits. Rows start on a 64-bit word.
 fn block_bit(block: vec3f) -> bool {
     let b = vec3u(block);
-    let row = (settings.block_dims.x + 63u) / 64u * 2u;
-    let word = (b.z * settings.block_dims.y + b.y) * row + b.x / 32u;
+    let row = (view.block_dims.x + 63u) / 64u * 2u;
+    let word = (b.z * view.block_dims.y + b.y) * row + b.x / 32u;
     return ((blocks[word] >> (b.x % 32u)) & 1u) != 0u;
 }
 
 // What is known of a block, where `blocks` holds bytes.
 fn block_byte(block: vec3f) -> u32 {
     let b = vec3u(block);
-    let i = (b.z * settings.block_dims.y + b.y) * settings.block_dims.x + b.x;
+    let i = (b.z * view.block_dims.y + b.y) * view.block_dims.x + b.x;
     return (blocks[i / 4u] >> (i % 4u * 8u)) & 0xffu;
 }
 

@@ -52,7 +52,7 @@ fn sample_x(grid: vec3f) -> f32 {
     );
     let x11 = between(fetch(vec3f(low.x, high.yz), vec3f(a.x, b.yz)), fetch(high, b), t.x);
     let raw = between(between(x00, x10, t.y), between(x01, x11, t.y), t.z);
-    return (raw - settings.raw_origin) * settings.x_scale;
+    return (raw - view.raw_origin) * view.x_scale;
 }
 
 fn between_colors(a: vec4f, b: vec4f, t: f32) -> vec4f {

@@ -1,17 +1,6 @@
-// Everything a march needs besides its rays. Mirrors gpu::abi::MarchSettings.
+// What steers a march. Mirrors gpu::abi::MarchSettings.
 
 struct MarchSettings {
-    // Voxels along x, y, z.
-    dims: vec3f,
-    // Table coordinate of a raw texel: x = (raw - raw_origin) * x_scale.
-    x_scale: f32,
-    inverse_dims: vec3f,
-    raw_origin: f32,
-    // Table entries N, and how near to an entry counts as on it.
-    entries: f32,
-    snap: f32,
-    // Opacity at which a ray stops.
-    ert: f32,
     // Segments per ray that the bounds hold; 0, where takes_runs is too: the bounding box.
     segment_count: u32,
     // Bit i: segment i starts at the near plane, because an active block lies there.
@@ -25,15 +14,8 @@ struct MarchSettings {
     tile_first: u32,
     // Whether segments are the runs of the ray's tile.
     takes_runs: u32,
-    // Leaf blocks along x, y, z.
-    block_dims: vec3u,
     // Words for every pixel of what is found out before the march.
     ray_words: u32,
-    // Where in shared/blocks' `blocks` the majorants begin, in words; not read where there are none.
-    majorants: u32,
-    pad1: u32,
-    pad2: u32,
-    pad3: u32,
 }
 
 // 8x8 pixels to march. Mirrors gpu::abi::Tile.
@@ -48,4 +30,5 @@ struct Tile {
 }
 
 // In storage: branches are taken by it, and a driver that makes uniforms constants of its code compiles that for every frame.
+// What every sample reads is in the view: Mesa's software driver loads from storage lane by lane, from uniforms once for all.
 @group(0) @binding(1) var<storage, read> settings: MarchSettings;

@@ -1,5 +1,5 @@
-// The rays of one picture, affine in the pixel, in local coordinates (box [0, extent]; unit: smallest voxel spacing).
-// Mirrors gpu::abi::View, made in f64 from lattice::RayFrame.
+// The rays of one picture, affine in the pixel, in local coordinates (box [0, extent]; unit: smallest voxel spacing), and what
+// its samples are read by. Mirrors gpu::abi::View, made in f64 from lattice::RayFrame.
 
 // lattice::MAX_CLIP_PLANES.
 const MAX_CLIP_PLANES = 12u;
@@ -37,6 +37,22 @@ struct View {
     clip_from_local: mat4x4f,
     // Unit normal and distance, local coordinates; what is on the normal's side is drawn. Zeros after the last.
     clip_planes: array<vec4f, MAX_CLIP_PLANES>,
+    // Voxels along x, y, z.
+    dims: vec3f,
+    // Table coordinate of a raw texel: x = (raw - raw_origin) * x_scale.
+    x_scale: f32,
+    inverse_dims: vec3f,
+    raw_origin: f32,
+    // Leaf blocks along x, y, z.
+    block_dims: vec3u,
+    // Where in shared/blocks' `blocks` what follows the blocks begins (majorants), in words; not read where there is none.
+    after_blocks: u32,
+    // Table entries N, and how near to an entry counts as on it.
+    entries: f32,
+    snap: f32,
+    // Opacity at which a ray stops.
+    ert: f32,
+    pad6: u32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;

@@ -22,7 +22,7 @@ fn skip_next(segment: ptr<function, Segment>, state: vec4f, ray: Ray, k: u32) ->
     let forward = vec3f(0.0) < ray.delta;
     let next = block + select(vec3f(-1.0), vec3f(1.0), forward);
     // Outermost blocks reach outwards without end.
-    let stays = (ray.delta == vec3f(0.0)) | (next < vec3f(0.0)) | (vec3f(settings.block_dims) <= next);
+    let stays = (ray.delta == vec3f(0.0)) | (next < vec3f(0.0)) | (vec3f(view.block_dims) <= next);
     let plane = max(block, next);
     let leave = select((plane * view.block - ray.entry) * (*segment).inverse - 0.5, vec3f(FAR), stays);
     let least = min(min(leave.x, leave.y), leave.z);

@@ -30,7 +30,7 @@ fn skip_begin(ray: Ray, pixel: vec2u, tile: Tile, k: u32) -> Segment {
     // Runs along no axis begin and end beyond every ray, whatever the scale.
     let scale = select(1.0 / delta, 1.0, delta == 0.0);
     let entry = dot(select(vec3f(0.0), ray.entry, along), vec3f(1.0));
-    let voxels = dot(select(vec3f(0.0), settings.dims, along), vec3f(1.0));
+    let voxels = dot(select(vec3f(0.0), view.dims, along), vec3f(1.0));
     // Roundings of the crossing and of the sample's own position: some twelve of 2^-24 over the whole axis, doubled.
     let pad = view.reach + 0x1p-9 + abs(voxels * scale) * 0x1p-19;
     return Segment(tile.first_run, tile.first_run + tile.run_count, pixel, scale, entry * scale + 0.5, pad);

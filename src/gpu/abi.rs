@@ -30,6 +30,16 @@ pub struct View {
     pub pad5: u32,
     pub clip_from_local: [[f32; 4]; 4],
     pub clip_planes: [[f32; 4]; 12],
+    pub dims: [f32; 3],
+    pub x_scale: f32,
+    pub inverse_dims: [f32; 3],
+    pub raw_origin: f32,
+    pub block_dims: [u32; 3],
+    pub after_blocks: u32,
+    pub entries: f32,
+    pub snap: f32,
+    pub ert: f32,
+    pub pad6: u32,
 }
 
 /// `MarchSettings` in `shaders/shared/march_settings.inc.wgsl`.
@@ -37,13 +47,6 @@ pub struct View {
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[allow(missing_docs)]
 pub struct MarchSettings {
-    pub dims: [f32; 3],
-    pub x_scale: f32,
-    pub inverse_dims: [f32; 3],
-    pub raw_origin: f32,
-    pub entries: f32,
-    pub snap: f32,
-    pub ert: f32,
     pub segment_count: u32,
     pub near_mask: u32,
     pub tile_count: u32,
@@ -53,12 +56,7 @@ pub struct MarchSettings {
     pub store_progress: u32,
     pub tile_first: u32,
     pub takes_runs: u32,
-    pub block_dims: [u32; 3],
     pub ray_words: u32,
-    pub majorants: u32,
-    pub pad1: u32,
-    pub pad2: u32,
-    pub pad3: u32,
 }
 
 /// `ModeSettings` in `shaders/shared/mode_settings.inc.wgsl`.
@@ -163,10 +161,10 @@ mod tests {
     fn structs_are_what_the_shaders_read() {
         mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, reach,
             extent, pad2, grid_from_local, pad3, centre, origin, size, pad4, pad5,
-            clip_from_local, clip_planes);
-        mirrors!(MarchSettings: dims, x_scale, inverse_dims, raw_origin, entries, snap, ert, segment_count, near_mask,
-            tile_count, tiles_per_row, max_iterations, resume, store_progress, tile_first, takes_runs,
-            block_dims, ray_words, majorants, pad1, pad2, pad3);
+            clip_from_local, clip_planes, dims, x_scale, inverse_dims, raw_origin, block_dims, after_blocks, entries, snap, ert,
+            pad6);
+        mirrors!(MarchSettings: segment_count, near_mask, tile_count, tiles_per_row, max_iterations, resume, store_progress,
+            tile_first, takes_runs, ray_words);
         mirrors!(ModeSettings: light, light_is_eye, color, ambient, outer_color, diffuse, specular, shininess,
             opacity_ratio, window_low, window_scale, window_dead, direction, iso, outer_iso, least_gradient,
             gradient_scale, cells_per_voxel, cue_strength, cue_start, cue_scale);

@@ -53,6 +53,7 @@ shaders![
     "shared/bspline.inc",
     "shared/first_hit.inc",
     "shared/highest.inc",
+    "shared/lanes.inc",
     "shared/march_settings.inc",
     "shared/mode_settings.inc",
     "shared/ray.inc",

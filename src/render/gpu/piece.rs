@@ -53,12 +53,12 @@ impl GpuBackend {
         };
 
         // Uniforms.
-        let view = view_of(job, piece, &clip_from_local);
+        let view = view_of(job, volume, piece, &clip_from_local);
         let dispatches = dispatches(job, tile_list.len() as u32, gpu.is_software());
         let settings: Vec<u8> = dispatches
             .iter()
             .flat_map(|d| {
-                let settings = settings_of(job, volume, d);
+                let settings = settings_of(job, d);
                 let mut bytes = bytemuck::bytes_of(&settings).to_vec();
                 bytes.resize(SETTINGS_STRIDE as usize, 0);
                 bytes

@@ -203,11 +203,9 @@ impl GpuBackend {
         let clip_from_local = job.camera.clip_from_local(job.scene.frame.size);
         let views = self
             .views
-            .write(gpu, &[view_of(job, piece, &clip_from_local)]);
+            .write(gpu, &[view_of(job, volume, piece, &clip_from_local)]);
         let dispatch = &dispatches(job, 0, true)[0];
-        let settings = self
-            .settings
-            .write(gpu, &[settings_of(job, volume, dispatch)]);
+        let settings = self.settings.write(gpu, &[settings_of(job, dispatch)]);
         let (table, colors) = self.classes.bound(gpu, job);
         let mode = self.mode.write(gpu, &[mode_of(job, volume, None)]);
         let corners = self.corners.write(gpu, &slices.corners);

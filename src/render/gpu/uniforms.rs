@@ -13,9 +13,7 @@ use crate::gpu::texture::VolumeTexture;
 use crate::lattice::MAX_CLIP_PLANES;
 use crate::mode::{DepthCue, Light, Parameters, surface};
 
-pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch) -> MarchSettings {
-    let domain = job.scene.table.domain();
-    let dims = job.scene.volume.dims.map(|n| n as f32);
+pub(super) fn settings_of(job: &Job, dispatch: &Dispatch) -> MarchSettings {
     let near_mask = job
         .parts
         .iter()
@@ -23,14 +21,6 @@ pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch
         .map(|(i, p)| u32::from(p.starts_near) << i)
         .sum();
     MarchSettings {
-        dims,
-        x_scale: (domain.scale * volume.stored_per_raw) as f32,
-        inverse_dims: dims.map(|n| 1.0 / n),
-        raw_origin: ((domain.origin - volume.stored_at_zero) / volume.stored_per_raw) as f32,
-        entries: domain.entries as f32,
-        snap: domain.snap() as f32,
-        // Never means never, even where a sample is opaque.
-        ert: job.scene.ert_threshold().min(f64::from(f32::MAX)) as f32,
         segment_count: job.parts.len() as u32,
         near_mask,
         tile_count: dispatch.tile_count,
@@ -40,12 +30,7 @@ pub(super) fn settings_of(job: &Job, volume: &VolumeTexture, dispatch: &Dispatch
         store_progress: u32::from(dispatch.store_progress),
         tile_first: dispatch.tile_first,
         takes_runs: u32::from(job.masks.is_some()),
-        block_dims: job.block_dims(),
         ray_words: ray_words(job),
-        majorants: job.blocks.and_then(|words| words.majorants).unwrap_or(0),
-        pad1: 0,
-        pad2: 0,
-        pad3: 0,
     }
 }
 
@@ -90,8 +75,15 @@ pub(super) fn mode_of(
     }
 }
 
-pub(super) fn view_of(job: &Job, piece: &Piece, clip_from_local: &glam::DMat4) -> View {
+pub(super) fn view_of(
+    job: &Job,
+    volume: &VolumeTexture,
+    piece: &Piece,
+    clip_from_local: &glam::DMat4,
+) -> View {
     let frame = job.scene.frame;
+    let domain = job.scene.table.domain();
+    let dims = job.scene.volume.dims.map(|n| n as f32);
     let v = |v: DVec3| v.as_vec3().to_array();
     // The rasteriser sees the piece: zoom the picture's clip space into it.
     let [w, h] = frame.size.map(f64::from);
@@ -133,6 +125,17 @@ pub(super) fn view_of(job: &Job, piece: &Piece, clip_from_local: &glam::DMat4) -
         pad5: 0,
         clip_from_local: (zoom * *clip_from_local).as_mat4().to_cols_array_2d(),
         clip_planes,
+        dims,
+        x_scale: (domain.scale * volume.stored_per_raw) as f32,
+        inverse_dims: dims.map(|n| 1.0 / n),
+        raw_origin: ((domain.origin - volume.stored_at_zero) / volume.stored_per_raw) as f32,
+        block_dims: job.block_dims(),
+        after_blocks: job.blocks.and_then(|words| words.majorants).unwrap_or(0),
+        entries: domain.entries as f32,
+        snap: domain.snap() as f32,
+        // Never means never, even where a sample is opaque.
+        ert: job.scene.ert_threshold().min(f64::from(f32::MAX)) as f32,
+        pad6: 0,
     }
 }
 
