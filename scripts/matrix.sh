@@ -17,6 +17,9 @@ check() {
 for name in sphere shells pot capsules gyroid menger checkerboard noise empty full thin slab ramp; do
     check "phantom:$name:96" --tf ramp:40:255:0.3
 done
+for name in shells:257x255x63 pot:1x96x96 shells:512; do
+    check "phantom:$name" --tf ramp:40:255:0.3
+done
 check data/qim3d_shell.nrrd --tf ramp:40:255:0.3
 check data/stent.nrrd --tf ramp:8:32:0.3
 for name in boston_teapot engine aneurism; do

@@ -18,6 +18,7 @@ use std::time::Instant;
 use crate::cpu::{self, CpuPlan};
 use crate::error::{Error, Result};
 use crate::mode::{DepthCue, Mode};
+use crate::octree::Cells;
 use crate::reference;
 use crate::sample::{Classification, Sampler};
 use crate::scene::{CountedPicture, Picture, Progress, Scene};
@@ -122,6 +123,18 @@ impl Renderer {
     /// Whether this backend has a method.
     pub fn has(&self, skip: Skip) -> bool {
         skip.check_backend(self.info.backend).is_ok()
+    }
+
+    /// Whether what a method keeps of the volume's cells can be bound. That of blocks can, in some size.
+    fn holds(&self, skip: Skip) -> bool {
+        match (&self.backend, &self.volume) {
+            (Backend::Gpu(gpu), Some(volume)) if skip.reads_cells() => {
+                let blocks: usize = volume.dims.iter().map(|n| n.div_ceil(2)).product();
+                let most = gpu.gpu().device.limits().max_storage_buffer_binding_size;
+                Cells::bytes_of(volume.dims) + blocks as u64 <= most
+            }
+            _ => true,
+        }
     }
 
     /// Whether this backend has a mode.

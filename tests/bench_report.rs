@@ -25,7 +25,7 @@ camera = "az=30,el=20,dist=2"
 [[sweep]]
 scenes = ["thin"]
 backends = ["cpu", "reference"]
-methods = ["box", "hull", "half-split", "k-cuts", "beam-masks", "distance-map", "grid-dda", "segment-list", "octree-encoded", "two-step", "adaptive"]
+methods = ["box", "hull", "half-split", "k-cuts", "beam-masks", "distance-map", "grid-dda", "segment-list", "beam-cells", "octree-encoded", "two-step", "adaptive"]
 blocks = [4]
 steps = ["0.5", "1"]
 sizes = ["16"]

@@ -37,7 +37,7 @@ const TOGETHER: [Together; 6] = {
     ]
 };
 
-/// One of each kind: by rasterised bounds, by masks, by leaps; and by lists where that does not compile most of a second
+/// One of each kind: by rasterised bounds, by masks, by leaps, by cells; and by lists where that does not compile most of a second
 /// longer for each.
 fn methods(mode: &str) -> Vec<Skip> {
     let mut methods = vec![
@@ -45,6 +45,7 @@ fn methods(mode: &str) -> Vec<Skip> {
         Skip::HalfSplit,
         Skip::BeamMasks,
         Skip::DistanceMap,
+        Skip::BeamCells,
     ];
     if mode == "emission-absorption" {
         methods.push(Skip::SegmentList);

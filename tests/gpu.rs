@@ -78,7 +78,12 @@ fn skipping_changes_no_bit_of_flat_thin_or_stretched_volumes() {
     let mut renderer = renderer();
     let transfer = ramp(40.0, 255.0, 0.3);
     // No block size divides these; one is flat, one a single voxel thick, one of slices ten times as far apart.
-    let shapes = [([65, 63, 17], 1.0), ([1, 40, 40], 1.0), ([40, 37, 9], 10.0)];
+    let shapes = [
+        ([257, 255, 63], 1.0),
+        ([65, 63, 17], 1.0),
+        ([1, 40, 40], 1.0),
+        ([40, 37, 9], 10.0),
+    ];
     for (dims, z_spacing) in shapes {
         let volume = Arc::new(Volume {
             spacing: glam::DVec3::new(1.0, 1.0, z_spacing),

@@ -83,3 +83,8 @@ fn lattice(ray: Ray, k: u32) -> vec3f {
 fn lattice_front(ray: Ray, k: u32) -> vec3f {
     return ray.entry + (f32(k) + (0.5 - view.reach)) * ray.delta;
 }
+
+// The same where it reaches to.
+fn lattice_back(ray: Ray, k: u32) -> vec3f {
+    return ray.entry + (f32(k) + (0.5 + view.reach)) * ray.delta;
+}

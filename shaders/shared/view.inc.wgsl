@@ -52,7 +52,8 @@ struct View {
     snap: f32,
     // Opacity at which a ray stops.
     ert: f32,
-    pad6: u32,
+    // How near to a cell's face a sample may be read as of the cell behind it, in voxels: filters round positions.
+    face: f32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;

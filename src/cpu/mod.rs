@@ -133,6 +133,7 @@ impl CpuPlan {
             Skip::BeamMasks => layers(Collapse::Runs),
             Skip::DistanceMap => Skipping::Distance(DistanceMap::new(occupancy)),
             Skip::KCuts
+            | Skip::BeamCells
             | Skip::GridDda
             | Skip::SegmentList
             | Skip::OctreeEncoded

@@ -39,7 +39,7 @@ pub struct View {
     pub entries: f32,
     pub snap: f32,
     pub ert: f32,
-    pub pad6: u32,
+    pub face: f32,
 }
 
 /// `MarchSettings` in `shaders/shared/march_settings.inc.wgsl`.
@@ -161,8 +161,7 @@ mod tests {
     fn structs_are_what_the_shaders_read() {
         mirrors!(View: start, step, start_dx, depth_scale, start_dy, grow, dir, block, dir_dx, start_depth, dir_dy, reach,
             extent, pad2, grid_from_local, pad3, centre, origin, size, pad4, pad5,
-            clip_from_local, clip_planes, dims, x_scale, inverse_dims, raw_origin, block_dims, after_blocks, entries, snap, ert,
-            pad6);
+            clip_from_local, clip_planes, dims, x_scale, inverse_dims, raw_origin, block_dims, after_blocks, entries, snap, ert, face);
         mirrors!(MarchSettings: segment_count, near_mask, tile_count, tiles_per_row, max_iterations, resume, store_progress,
             tile_first, takes_runs, ray_words);
         mirrors!(ModeSettings: light, light_is_eye, color, ambient, outer_color, diffuse, specular, shininess,

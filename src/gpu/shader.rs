@@ -12,6 +12,7 @@ macro_rules! shaders {
 }
 
 shaders![
+    "beams",
     "faces",
     "gradients",
     "march",
@@ -49,6 +50,7 @@ shaders![
     "sample/pre_integrated.inc",
     "sample/tricubic.inc",
     "sample/tricubic_exact.inc",
+    "shared/beams.inc",
     "shared/blocks.inc",
     "shared/bspline.inc",
     "shared/first_hit.inc",
@@ -62,6 +64,7 @@ shaders![
     "shared/walk.inc",
     "shared/window.inc",
     "skip/adaptive.inc",
+    "skip/beam_cells.inc",
     "skip/bounds.inc",
     "skip/distance_map.inc",
     "skip/grid_dda.inc",

@@ -162,13 +162,13 @@ impl<T: Copy + PartialOrd + Into<f32>> LayerScratch<T> {
     }
 }
 
-fn min_into<T: Copy + PartialOrd>(into: &mut [T], row: &[T]) {
+pub(super) fn min_into<T: Copy + PartialOrd>(into: &mut [T], row: &[T]) {
     for (a, &b) in into.iter_mut().zip(row) {
         *a = if b < *a { b } else { *a };
     }
 }
 
-fn max_into<T: Copy + PartialOrd>(into: &mut [T], row: &[T]) {
+pub(super) fn max_into<T: Copy + PartialOrd>(into: &mut [T], row: &[T]) {
     for (a, &b) in into.iter_mut().zip(row) {
         *a = if *a < b { b } else { *a };
     }

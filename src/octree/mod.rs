@@ -6,6 +6,7 @@
 
 pub mod accelerator;
 mod bits;
+pub mod cells;
 mod colored;
 pub mod hull;
 pub mod leaf_grid;
@@ -18,6 +19,7 @@ pub mod tree;
 pub const BLOCKS: [usize; 6] = [2, 4, 8, 16, 32, 64];
 
 pub use accelerator::Accelerator;
+pub use cells::{CellRule, Cells};
 pub use hull::{Face, Hull};
 pub use leaf_grid::LeafGrid;
 pub use occupancy::Occupancy;

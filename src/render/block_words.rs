@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use super::{Settings, ms_since};
 use crate::mode::Mode;
-use crate::octree::{LeafGrid, Occupancy};
+use crate::octree::{CellRule, Cells, LeafGrid, Occupancy};
+use crate::sample::Classification;
 use crate::scene::Scene;
 use crate::skip::adaptive::{Gradients, Strides};
 use crate::skip::{Majorants, Skip};
@@ -22,8 +23,10 @@ pub(super) struct BlockWords {
     table: Arc<Table>,
     /// As `shaders/shared/blocks` reads them.
     pub(super) content: Vec<u32>,
-    /// Where the majorants begin.
-    pub(super) majorants: Option<u32>,
+    /// Whether majorants come after what is known of blocks.
+    pub(super) has_majorants: bool,
+    /// Where what comes after that begins: majorants, or the cells.
+    pub(super) after_blocks: u32,
     /// What making them took.
     pub(super) ms: f64,
 }
@@ -53,18 +56,22 @@ impl BlockWords {
             }
             skip => skip.block_words(occupancy)?,
         };
-        let majorants = majorants.map(|majorants| {
-            let first = content.len() as u32;
+        let after_blocks = content.len() as u32;
+        if let Some(majorants) = majorants {
             content.extend(majorants.words());
-            first
-        });
+        }
+        if settings.skip.reads_cells() {
+            let rule = cell_rule(settings, scene, table);
+            content.extend_from_slice(Cells::new(&rule, occupancy).words());
+        }
         Some(Self {
             id,
             skip: settings.skip,
             bounded: bounded_by(settings),
             table: Arc::clone(table),
             content,
-            majorants,
+            has_majorants: majorants.is_some(),
+            after_blocks,
             ms: ms_since(start),
         })
     }
@@ -78,6 +85,21 @@ impl BlockWords {
     /// shows anything.
     pub(super) fn hold_under(&self, table: &Arc<Table>) -> bool {
         self.skip != Skip::Adaptive || Arc::ptr_eq(&self.table, table)
+    }
+}
+
+/// What makes a cell contribute to the settings' pictures.
+pub(super) fn cell_rule<'a>(
+    settings: &Settings,
+    scene: &Scene<'a>,
+    table: &'a Table,
+) -> CellRule<'a> {
+    CellRule {
+        volume: scene.volume,
+        table,
+        mode: settings.mode,
+        apron: scene.sampler.apron(),
+        is_by_voxel: settings.classification == Classification::Pre,
     }
 }
 

@@ -21,6 +21,7 @@ use crate::octree::{Accelerator, Occupancy};
 use crate::sample::Classification;
 use crate::scene::Scene;
 use crate::skip::adaptive::Gradients;
+use crate::skip::beam_cells::Near;
 use crate::skip::beam_masks::BeamMasks;
 use crate::skip::k_cuts::CUT_SAMPLES;
 use crate::skip::{HalfCut, Majorants, Plan, Skip};
@@ -176,6 +177,8 @@ impl Structures {
         let culled = kept.culled.as_mut().expect("culled just above");
         let (axis, planes) = culled.planes(settings, scene, cut_samples);
         culled.majorants(settings, scene, &kept.accelerator.grid);
+        let reads_cells = settings.skip.reads_cells();
+        let cells = reads_cells.then(|| culled.cells(settings, scene));
         let culled = &*culled;
         let mut preparation = culled.preparation(settings, &[], &kept.accelerator, kept.build_ms);
         let start = Instant::now();
@@ -188,9 +191,10 @@ impl Structures {
         } else {
             let occupancy = &culled.occupancy;
             let plan = Plan::with_planes(settings.skip, occupancy, scene.frame, axis, planes)?;
-            match culled.majorants_of(settings) {
-                Some(majorants) => plan.bounded(majorants),
-                None => plan,
+            match (culled.majorants_of(settings), cells) {
+                (Some(majorants), _) => plan.bounded(majorants),
+                (None, Some(cells)) => plan.cut_down(Near::Distances(cells)),
+                (None, None) => plan,
             }
         };
         preparation.cull_ms += ms_since(start);

@@ -13,7 +13,7 @@ use crate::octree::Occupancy;
 
 /// Leaps stop this much short of the half voxel beyond its faces that an empty block answers for (design contract 3:
 /// one voxel of apron), for the rounding of single-precision positions: one part in 2^-22 of 2^16 voxels and a margin.
-const REACH: f64 = 0.5 - 1.0 / 16.0;
+pub(super) const REACH: f64 = 0.5 - 1.0 / 16.0;
 
 /// Distances to the nearest active block.
 #[derive(Debug, Clone, PartialEq, Eq)]

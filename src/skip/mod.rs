@@ -4,6 +4,7 @@
 //! whose contribution is exactly zero (unless its row says lossy), so that the picture is bit-identical to [`Skip::Box`].
 
 pub mod adaptive;
+pub mod beam_cells;
 pub mod beam_masks;
 mod bounding_box;
 pub mod distance_map;
@@ -39,7 +40,7 @@ use crate::error::{Error, Result};
 use crate::octree::Occupancy;
 use distance_map::DistanceMap;
 use k_cuts::MAX_SLABS;
-use segment_list::MOST_SEGMENTS;
+pub use segment_list::MOST_SEGMENTS;
 
 /// The choice of skipping method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -66,6 +67,8 @@ pub enum Skip {
     TwoStep,
     /// Strides as data and transfer function vary.
     Adaptive,
+    /// Beams of tiles leap by the distance map, rays cut their runs down to cells.
+    BeamCells,
     /// The contributing samples alone: no method, but the limit.
     Oracle,
 }
@@ -194,6 +197,18 @@ pub const METHODS: &[Method] = &[
         known_failure: "memory for every pixel; past its last slot a list marches to the last exit",
     },
     Method {
+        skip: Skip::BeamCells,
+        name: "beam-cells",
+        lossless: true,
+        is_limit: false,
+        shader: "beam_cells",
+        backends: &["gpu", "reference"],
+        max_segments: MOST_SEGMENTS,
+        summary: "tiles leap as one beam by the distance map; rays cut what is left down to cells of eight voxels",
+        origin: "this project; beams after Laine & Karras 2010",
+        known_failure: "two bits for every voxel, made anew with every table; gaps that a beam does not fit through",
+    },
+    Method {
         skip: Skip::OctreeEncoded,
         name: "octree-encoded",
         lossless: true,
@@ -285,10 +300,15 @@ impl Skip {
         )
     }
 
+    /// Whether it is told which cells contribute.
+    pub fn reads_cells(self) -> bool {
+        self == Self::BeamCells
+    }
+
     /// What its shader reads of every block, if it has one of its own that reads no more than which are active.
     pub fn block_words(self, occupancy: &Occupancy) -> Option<Vec<u32>> {
         match self {
-            Self::DistanceMap => Some(DistanceMap::new(occupancy).words()),
+            Self::DistanceMap | Self::BeamCells => Some(DistanceMap::new(occupancy).words()),
             Self::GridDda | Self::SegmentList | Self::OctreeEncoded => Some(
                 occupancy
                     .words()

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::adaptive::Strides;
+use super::beam_cells::{BeamCells, Near};
 use super::distance_map::DistanceMap;
 use super::frame_runs::FrameRuns;
 use super::grid_dda::GridDda;
@@ -35,6 +36,8 @@ pub enum Plan<'a> {
     GridDda(GridDda<'a>),
     /// [`Skip::SegmentList`].
     SegmentList(&'a Occupancy),
+    /// [`Skip::BeamCells`].
+    BeamCells(BeamCells<'a>),
     /// [`Skip::OctreeEncoded`].
     OctreeEncoded(&'a Occupancy, Bound<'a>),
     /// [`Skip::TwoStep`].
@@ -91,6 +94,7 @@ impl<'a> Plan<'a> {
                 bound: Bound::NONE,
             }),
             Skip::SegmentList => Self::SegmentList(occupancy),
+            Skip::BeamCells => Self::BeamCells(BeamCells::new(occupancy, frame, Near::Unknown)),
             Skip::OctreeEncoded => Self::OctreeEncoded(occupancy, Bound::NONE),
             Skip::TwoStep => Self::TwoStep,
             Skip::Oracle => Self::Oracle,
@@ -112,6 +116,15 @@ impl<'a> Plan<'a> {
             *bound = Bound::by(Some(majorants));
         }
         self
+    }
+
+    /// The same, where rays know this of cells. Of methods that do not ask ([`Skip::reads_cells`]) nothing changes.
+    #[must_use]
+    pub fn cut_down(self, near: Near<'a>) -> Self {
+        match self {
+            Self::BeamCells(beams) => Self::BeamCells(beams.with_cells(near)),
+            other => other,
+        }
     }
 
     /// The segments of a pixel's ray, whatever numbers it was computed in. `shows` tells whether a sample of the ray
@@ -147,6 +160,7 @@ impl<'a> Plan<'a> {
             Self::DistanceMap(map, bound) => Box::new(map.segments(ray, *bound)),
             Self::GridDda(grid_dda) => Box::new(grid_dda.segments(line)),
             Self::SegmentList(occupancy) => Box::new(segment_list::segments(occupancy, line)),
+            Self::BeamCells(beams) => Box::new(beams.segments(ray, pixel, beams.runs(pixel))),
             Self::OctreeEncoded(occupancy, bound) => Box::new(Positions {
                 occupancy,
                 bound: *bound,

@@ -160,7 +160,7 @@ fn is_hull_of_slabs(skip: Skip) -> bool {
 
 /// Whether a method makes use of the half voxel around an inactive block that this answers for.
 fn takes_apron(skip: Skip) -> bool {
-    matches!(skip, Skip::BeamMasks | Skip::DistanceMap)
+    matches!(skip, Skip::BeamMasks | Skip::DistanceMap | Skip::BeamCells)
 }
 
 fn check<R: Real + Into<f64>>(occupancy: &Occupancy, frame: &RayFrame) {

@@ -19,6 +19,7 @@ pub use self::choice::{Choice, MethodChoice};
 use self::cost::Calibration;
 use self::probes::Kind;
 use self::work::{Bundle, Level, Work};
+use super::block_words::cell_rule;
 use super::{Renderer, Settings};
 use crate::error::{Error, Result};
 use crate::mode::Mode;
@@ -95,7 +96,8 @@ impl Renderer {
         for method in METHODS {
             // The oracle is told by a first pass what to sample: a limit, and no way to draw.
             let is_candidate = method.lossless && !method.is_limit;
-            if !is_candidate || !self.has(method.skip) || self.withdrawn.contains(&method.skip) {
+            let is_there = self.has(method.skip) && self.holds(method.skip);
+            if !is_candidate || !is_there || self.withdrawn.contains(&method.skip) {
                 continue;
             }
             let best_too = method.skip == Skip::HalfSplit && self.info.backend != "cpu";
@@ -251,7 +253,8 @@ impl Renderer {
             });
         }
         let active = self.chooser.active.as_ref().expect("made just above");
-        let bundle = Bundle::new(&scene, settings.camera.forward());
+        let rule = cell_rule(settings, &scene, shown);
+        let bundle = Bundle::new(&scene, rule, settings.camera.forward());
         let coarse = &active.levels[active.levels.len().saturating_sub(2)];
         let cut_samples = self.structures.cut_samples();
         let backend = self.info.backend;

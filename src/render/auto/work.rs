@@ -3,14 +3,16 @@
 //! Every ray stands for the tile of pixels that it goes through. How far early termination lets it come, and what it
 //! meets on the way, is found once, by the f64 reference; what a method samples of that follows from the occupancy alone.
 
+use std::cell::Cell;
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::Choice;
 use crate::lattice::{Ray, RayFrame};
-use crate::octree::Occupancy;
+use crate::octree::{CellRule, Occupancy};
 use crate::reference;
 use crate::scene::Scene;
+use crate::skip::beam_cells::{BeamCells, Near};
 use crate::skip::beam_masks::{BeamMasks, Collapse, TileRuns};
 use crate::skip::distance_map::DistanceMap;
 use crate::skip::k_cuts::{BestCuts, Planes};
@@ -68,7 +70,7 @@ pub(super) struct Level {
     majorants: Option<Majorants>,
     masks: BeamMasks,
     faces: usize,
-    distances: OnceLock<DistanceMap>,
+    distances: OnceLock<Arc<DistanceMap>>,
     best_cuts: [OnceLock<BestCuts>; 3],
 }
 
@@ -84,6 +86,11 @@ impl Level {
         }
     }
 
+    fn distances(&self) -> &Arc<DistanceMap> {
+        self.distances
+            .get_or_init(|| Arc::new(DistanceMap::new(&self.occupancy)))
+    }
+
     /// The same in blocks twice as large.
     pub(super) fn coarser(&self) -> Self {
         let majorants = self.majorants.as_ref().map(Majorants::coarser);
@@ -94,6 +101,8 @@ impl Level {
 /// Rays spread over a picture.
 pub(super) struct Bundle<'a> {
     scene: &'a Scene<'a>,
+    /// What makes a cell contribute.
+    rule: CellRule<'a>,
     rays: Vec<BundleRay>,
     /// Pixels of the picture for each ray.
     weight: f64,
@@ -104,6 +113,7 @@ pub(super) struct Bundle<'a> {
 /// One ray with what the marcher finds on it.
 struct BundleRay {
     ray: Ray<f64>,
+    pixel: [u32; 2],
     /// The tile that it stands for.
     tile: [Range<u32>; 2],
     /// One past the last sample that early termination lets it take.
@@ -125,7 +135,7 @@ impl BundleRay {
 }
 
 impl<'a> Bundle<'a> {
-    pub(super) fn new(scene: &'a Scene<'a>, forward: glam::DVec3) -> Self {
+    pub(super) fn new(scene: &'a Scene<'a>, rule: CellRule<'a>, forward: glam::DVec3) -> Self {
         let frame: &RayFrame = scene.frame;
         let tiles = frame.size.map(|n| n.div_ceil(TILE));
         let count = tiles.map(|n| n.min(RAYS));
@@ -156,6 +166,7 @@ impl<'a> Bundle<'a> {
                     contributing: found.counters.contributing,
                     rises: found.rises,
                     ray,
+                    pixel: *pixel,
                     tile,
                 }
             })
@@ -163,6 +174,7 @@ impl<'a> Bundle<'a> {
         Self {
             weight: f64::from(frame.size[0]) * f64::from(frame.size[1]) / rays.len() as f64,
             scene,
+            rule,
             rays,
             axis: skip::half_axis(forward),
         }
@@ -203,12 +215,27 @@ impl<'a> Bundle<'a> {
         // Tiles of a GPU's picture whose beams meet nothing are not launched, but for box.
         let launched = (backend == "gpu" && choice.skip != Skip::Box).then_some(coarse);
         if choice.skip == Skip::DistanceMap {
-            let map = level.distances.get_or_init(|| DistanceMap::new(occupancy));
             let bound = Bound::by(level.majorants.as_ref());
-            self.along_rays(launched, &mut work, |ray| {
-                Box::new(map.segments(*ray, bound))
+            self.along_rays(launched, &mut work, |bundled| {
+                Box::new(level.distances().segments(bundled.ray, bound))
             });
             return Some(self.of_all_pixels(work));
+        }
+        if choice.skip == Skip::BeamCells {
+            // Few cells are asked for: looking at their voxels takes less than the distances of all.
+            let (map, near) = (Arc::clone(level.distances()), Near::Rule(self.rule));
+            let frame = self.scene.frame;
+            let beams = BeamCells::with_map(map, occupancy.volume_dims, frame, near);
+            let leaps = Cell::new(0);
+            self.along_rays(launched, &mut work, |bundled| {
+                let runs = beams.runs(bundled.pixel);
+                leaps.set(leaps.get() + runs.steps);
+                Box::new(beams.segments(bundled.ray, bundled.pixel, runs))
+            });
+            return Some(Work {
+                elements: tiles * f64::from(leaps.get()) / self.rays.len() as f64,
+                ..self.of_all_pixels(work)
+            });
         }
         let planes = self.planes(choice, level, cut_samples);
         let frame = self.scene.frame;
@@ -217,9 +244,9 @@ impl<'a> Bundle<'a> {
             Some(majorants) => plan.bounded(majorants),
             None => plan,
         };
-        // Beams of tiles are followed above; no other lossless method asks which pixel it is or what shows.
-        self.along_rays(launched, &mut work, |ray| {
-            plan.segments(ray, [0; 2], &|_| false)
+        // No lossless method asks what shows.
+        self.along_rays(launched, &mut work, |bundled| {
+            plan.segments(&bundled.ray, bundled.pixel, &|_| false)
         });
         if choice.skip == Skip::SegmentList {
             let walk = Plan::new(Skip::GridDda, occupancy, frame).ok()?;
@@ -289,7 +316,7 @@ impl<'a> Bundle<'a> {
         &self,
         launched: Option<&Level>,
         work: &mut Work,
-        segments: impl Fn(&Ray<f64>) -> Box<dyn Segments + 's>,
+        segments: impl Fn(&BundleRay) -> Box<dyn Segments + 's>,
     ) {
         let share = 1.0 / self.rays.len() as f64;
         let is_kept = self.scene.mode.keeps_highest();
@@ -300,7 +327,7 @@ impl<'a> Bundle<'a> {
                 contributing,
                 ..
             } = bundled;
-            let mut segments = segments(ray);
+            let mut segments = segments(bundled);
             let mut samples = 0;
             let mut k = ray.k_near as u32;
             while k < *end

@@ -25,10 +25,11 @@ pub(super) struct Dispatch {
 }
 
 impl Dispatch {
-    /// A workgroup for every tile.
-    pub(super) fn launch(&self, pass: &mut wgpu::ComputePass) {
-        let rows = self.tile_count.div_ceil(TILES_PER_ROW);
-        pass.dispatch_workgroups(self.tile_count.min(TILES_PER_ROW), rows, 1);
+    /// A workgroup for every so many tiles.
+    pub(super) fn launch(&self, pass: &mut wgpu::ComputePass, tiles: u32) {
+        let groups = self.tile_count.div_ceil(tiles);
+        let rows = groups.div_ceil(TILES_PER_ROW);
+        pass.dispatch_workgroups(groups.min(TILES_PER_ROW), rows, 1);
     }
 }
 

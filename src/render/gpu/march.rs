@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 
+use super::before::Listing;
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::shader::compose;
@@ -74,12 +75,13 @@ impl Count {
 pub(super) struct MarchPass {
     /// View, settings, tiles, target, progress, volume, filter, table, mode, gradients, colours of voxels.
     pub(super) scene_layout: wgpu::BindGroupLayout,
-    /// Bounds, what a pass notes (work counters, or what the next one reads), runs, blocks or what the last pass noted.
+    /// Bounds, what a pass notes (work counters, or what the next one reads), runs of tiles (of the processor, or as the last pass
+    /// noted them), blocks or what the last pass noted of rays.
     pub(super) skip_layout: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
     pipelines: HashMap<March, wgpu::ComputePipeline>,
-    /// Lists segments before the march.
-    segments: Option<wgpu::ComputePipeline>,
+    /// What is listed before the march.
+    listings: HashMap<Listing, wgpu::ComputePipeline>,
 }
 
 /// Distance of two march settings in their buffer: what every adapter allows as a dynamic offset.
@@ -199,7 +201,7 @@ impl MarchPass {
             skip_layout,
             layout,
             pipelines: HashMap::new(),
-            segments: None,
+            listings: HashMap::new(),
         }
     }
 
@@ -225,16 +227,20 @@ impl MarchPass {
         Ok(&self.pipelines[&march])
     }
 
-    /// The pipeline that lists segments before the march, compiled at first use.
+    /// The pipeline of a pass before the march, compiled at first use.
     ///
     /// # Errors
     /// As [`Self::pipeline`].
-    pub(super) fn segments(&mut self, gpu: &Gpu) -> Result<&wgpu::ComputePipeline> {
-        let pipeline = match self.segments.take() {
-            Some(pipeline) => pipeline,
-            None => self.compile(gpu, "segments", &[("BOUND", "none")])?,
-        };
-        Ok(self.segments.insert(pipeline))
+    pub(super) fn listing(
+        &mut self,
+        gpu: &Gpu,
+        listing: Listing,
+    ) -> Result<&wgpu::ComputePipeline> {
+        if !self.listings.contains_key(&listing) {
+            let pipeline = self.compile(gpu, listing.shader(), &[("BOUND", "none")])?;
+            self.listings.insert(listing, pipeline);
+        }
+        Ok(&self.listings[&listing])
     }
 
     /// Compiles the pass of this name, whose entry point has it too.

@@ -18,7 +18,7 @@ use std::time::Instant;
 
 use glam::DVec3;
 
-use self::before::{largest_piece, ray_words};
+use self::before::{Listing, largest_piece, ray_bytes};
 use self::classes::ClassBuffers;
 pub(super) use self::classes::JobClasses;
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
@@ -241,10 +241,14 @@ impl GpuBackend {
             );
             if bytes > most {
                 return Err(Error::Limit(format!(
-                    "what {} keeps of blocks takes {bytes} bytes, and {} binds {most} (max_storage_buffer_binding_size): \
-                     larger blocks take less (--block)",
+                    "what {} keeps of blocks takes {bytes} bytes, and {} binds {most} (max_storage_buffer_binding_size): {}",
                     job.skip.method().name,
                     self.gpu.info.name,
+                    if job.skip.reads_cells() {
+                        "methods without cells take less"
+                    } else {
+                        "larger blocks take less (--block)"
+                    },
                 )));
             }
         }
@@ -264,13 +268,13 @@ impl GpuBackend {
         let parts = job.parts.iter();
         let faces = parts.filter_map(|p| self.kept_faces.get(&p.key)?.as_ref());
         let largest = largest_piece(job, &self.gpu.device.limits());
-        let [width, height] = job.scene.frame.size.map(|n| u64::from(n.min(largest)));
+        let piece = job.scene.frame.size.map(|n| n.min(largest));
         faces.map(FaceBuffers::bytes).sum::<u64>()
             + job
                 .block_words()
                 .map_or(0, |(_, words)| size_of_val(words) as u64)
             + self.classes.bytes(job)
-            + width * height * 4 * u64::from(ray_words(job))
+            + ray_bytes(job, piece)
             + job
                 .gradient_edge()
                 .and(self.gradients.as_ref())
@@ -408,7 +412,7 @@ impl GpuBackend {
                 match self.timer.read_ms(&self.gpu)? {
                     Some(ms) if job.slices.is_some() => times.raster_ms += ms[RASTER as usize],
                     Some(ms) => {
-                        let raster_ms = if job.parts.is_empty() && job.skip != Skip::SegmentList {
+                        let raster_ms = if job.parts.is_empty() && Listing::of(job.skip).is_none() {
                             0.0
                         } else {
                             ms[RASTER as usize]

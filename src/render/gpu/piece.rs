@@ -1,6 +1,6 @@
 //! One piece of a picture: what is written, rasterised and marched for it.
 
-use super::before::{list_segments, ray_words};
+use super::before::{self, Listing};
 use super::dispatch::dispatches;
 use super::faces::BoundsTexture;
 use super::march::{Count, March, SETTINGS_STRIDE};
@@ -77,7 +77,7 @@ impl GpuBackend {
         let counted = if count == Count::On { pixels * 16 } else { 0 };
         let work = self.work.reserve(gpu, counted);
         let blocks = self.blocks.holding(gpu, job.block_words());
-        let ray_bytes = pixels * 4 * u64::from(ray_words(job));
+        let ray_bytes = before::ray_bytes(job, piece.size);
         let rays = gpu.checked(|| self.rays.reserve(gpu, ray_bytes))?;
         let (table, colors) = self.classes.bound(gpu, job);
         let mode = self.mode.write(gpu, &[mode_of(job, volume, gradients)]);
@@ -102,7 +102,7 @@ impl GpuBackend {
             sampler: job.scene.sampler,
             mode: job.scene.mode.row().shader,
             classification: job.scene.classification,
-            is_bounded: job.blocks.is_some_and(|words| words.majorants.is_some()),
+            is_bounded: job.blocks.is_some_and(|words| words.has_majorants),
             count,
             gradient: job.gradient(),
             is_cued: job.scene.depth_cue > 0.0,
@@ -168,7 +168,7 @@ impl GpuBackend {
                 bind(10, wgpu::BindingResource::TextureView(colors)),
             ],
         });
-        let skip_group = |notes: &wgpu::Buffer, reads: &wgpu::Buffer| {
+        let skip_group = |[notes, runs, reads]: [&wgpu::Buffer; 3]| {
             gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
                 label: Some("march skip"),
                 layout: &self.march.skip_layout,
@@ -180,17 +180,24 @@ impl GpuBackend {
                 ],
             })
         };
-        let before_march = skip_group(rays, blocks);
+        let before_march = skip_group([rays, runs, blocks]);
         let march_group = match job.skip {
             _ if is_first => before_march.clone(),
-            Skip::Oracle | Skip::SegmentList => skip_group(work, rays),
-            _ => skip_group(work, blocks),
+            Skip::Oracle | Skip::SegmentList => skip_group([work, runs, rays]),
+            Skip::BeamCells => skip_group([work, rays, blocks]),
+            _ => skip_group([work, runs, blocks]),
         };
         let last = dispatches.len() - 1;
-        if job.skip == Skip::SegmentList {
-            let pipeline = self.march.segments(gpu)?;
+        if let Some(listing) = Listing::of(job.skip) {
+            let pipeline = self.march.listing(gpu, listing)?;
             let groups = [&scene_group, &before_march];
-            list_segments(&mut encoder, pipeline, groups, &dispatches, &self.timer);
+            before::list(
+                &mut encoder,
+                (listing, pipeline),
+                groups,
+                &dispatches,
+                &self.timer,
+            );
             self.timer.resolve(&mut encoder, RASTER);
         }
         let pipeline = self.march.pipeline(gpu, march)?;
@@ -209,7 +216,7 @@ impl GpuBackend {
                     pass.set_pipeline(pipeline);
                     pass.set_bind_group(0, &scene_group, &[(i as u64 * SETTINGS_STRIDE) as u32]);
                     pass.set_bind_group(1, &march_group, &[]);
-                    dispatch.launch(&mut pass);
+                    dispatch.launch(&mut pass, 1);
                 }
             }
             if i == last {

@@ -12,6 +12,7 @@ use crate::gpu::abi::{MarchSettings, ModeSettings, View};
 use crate::gpu::texture::VolumeTexture;
 use crate::lattice::MAX_CLIP_PLANES;
 use crate::mode::{DepthCue, Light, Parameters, surface};
+use crate::skip::beam_cells::MARGIN;
 
 pub(super) fn settings_of(job: &Job, dispatch: &Dispatch) -> MarchSettings {
     let near_mask = job
@@ -130,12 +131,16 @@ pub(super) fn view_of(
         inverse_dims: dims.map(|n| 1.0 / n),
         raw_origin: ((domain.origin - volume.stored_at_zero) / volume.stored_per_raw) as f32,
         block_dims: job.block_dims(),
-        after_blocks: job.blocks.and_then(|words| words.majorants).unwrap_or(0),
+        after_blocks: job.blocks.map_or(0, |words| words.after_blocks),
         entries: domain.entries as f32,
         snap: domain.snap() as f32,
         // Never means never, even where a sample is opaque.
         ert: job.scene.ert_threshold().min(f64::from(f32::MAX)) as f32,
-        pad6: 0,
+        face: if job.scene.sampler.is_filtered() {
+            MARGIN as f32
+        } else {
+            0.0
+        },
     }
 }
 

@@ -9,8 +9,8 @@ use glam::DVec3;
 use super::near::near_first;
 use crate::cpu::CpuPlan;
 use crate::mode::Activity;
-use crate::octree::{Accelerator, Hull, LeafGrid, Occupancy};
-use crate::render::block_words::{BlockWords, bounded_by};
+use crate::octree::{Accelerator, Cells, Hull, LeafGrid, Occupancy};
+use crate::render::block_words::{BlockWords, bounded_by, cell_rule};
 use crate::render::{Preparation, Settings, ms_since};
 use crate::sample::Classification;
 use crate::scene::Scene;
@@ -39,6 +39,8 @@ pub(super) struct Culled {
     /// What the SIMD backend keeps, by method.
     pub(super) cpu_plans: Vec<CpuPlan>,
     pub(super) masks: Option<BeamMasks>,
+    /// The cells that contribute, for rays that the processor follows.
+    cells: Option<Arc<Cells>>,
     /// What shaders of their own read of every block, by method.
     pub(super) words: Vec<BlockWords>,
     /// Those that were asked for last, and what making them took, in ms.
@@ -78,6 +80,7 @@ impl Culled {
             cull_ms: ms_since(start),
             cpu_plans: Vec::new(),
             masks: None,
+            cells: None,
             words: Vec::new(),
             majorants: None,
         }
@@ -100,6 +103,18 @@ impl Culled {
             self.majorants = Some((Arc::new(made), ms_since(start)));
         }
         self.majorants.as_ref().map(|(made, _)| Arc::clone(made))
+    }
+
+    /// The cells that contribute, made at first use.
+    pub(super) fn cells(&mut self, settings: &Settings, scene: &Scene) -> Arc<Cells> {
+        let made = self.cells.get_or_insert_with(|| {
+            let start = Instant::now();
+            let rule = cell_rule(settings, scene, &self.table);
+            let cells = Cells::new(&rule, &self.occupancy);
+            self.cull_ms += ms_since(start);
+            Arc::new(cells)
+        });
+        Arc::clone(made)
     }
 
     /// The majorants that the settings' method reads, if those were made last.
