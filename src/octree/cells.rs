@@ -42,23 +42,25 @@ impl CellRule<'_> {
     /// Whether a sample in the cell can contribute: asked of eight voxels (where the apron is 1), for who wants to know of few
     /// cells.
     pub fn contributes(&self, cell: [usize; 3]) -> bool {
+        with_voxels!(&self.volume.voxels, voxels => self.contributes_among(voxels, cell))
+    }
+
+    fn contributes_among<T: Copy + Into<f32>>(&self, voxels: &[T], cell: [usize; 3]) -> bool {
         let [nx, ny, _] = self.volume.dims;
         let [xs, ys, zs] = [0, 1, 2].map(|a| self.touched(a, cell[a]));
-        with_voxels!(&self.volume.voxels, voxels => {
-            let mut range = [f32::INFINITY, f32::NEG_INFINITY];
-            for z in zs {
-                for y in ys.clone() {
-                    for x in xs.clone() {
-                        let stored = f32::from(voxels[(z * ny + y) * nx + x]);
-                        if self.is_by_voxel && self.shows([stored; 2]) {
-                            return true;
-                        }
-                        range = [range[0].min(stored), range[1].max(stored)];
+        let mut range = [f32::INFINITY, f32::NEG_INFINITY];
+        for z in zs {
+            for y in ys.clone() {
+                for x in xs.clone() {
+                    let stored: f32 = voxels[(z * ny + y) * nx + x].into();
+                    if self.is_by_voxel && self.shows([stored; 2]) {
+                        return true;
                     }
+                    range = [range[0].min(stored), range[1].max(stored)];
                 }
             }
-            !self.is_by_voxel && self.shows(range)
-        })
+        }
+        !self.is_by_voxel && self.shows(range)
     }
 
     /// The voxels along an axis that samples in a cell touch.
@@ -77,53 +79,68 @@ impl CellRule<'_> {
 
     /// A bit for every cell that contributes, in rows of whole words. Looked for in the active blocks alone: a block's
     /// closed support holds the voxels of the cells that begin in it.
-    fn bits(&self, occupancy: &Occupancy) -> Vec<u64> {
+    fn bits<T>(&self, voxels: &[T], occupancy: &Occupancy) -> Vec<u64>
+    where
+        T: Copy + PartialOrd + Into<f32> + Send + Sync,
+    {
         let [nx, ny, nz] = self.volume.dims;
         let per_row = nx.div_ceil(64);
         let mut bits = vec![0u64; per_row * ny * nz];
-        let block = occupancy.block;
-        with_voxels!(&self.volume.voxels, voxels => {
-            bits.par_chunks_mut(per_row).enumerate().with_min_len(16).for_each_init(
-                || (voxels[..nx].to_vec(), voxels[..nx].to_vec()),
-                |(low, high), (row, out)| {
-                    let (y, z) = (row % ny, row / ny);
-                    let active = occupancy.row(y / block, z / block);
-                    let mut from = 0;
-                    while let Some(run) = next_run(active, from) {
-                        from = run.end;
-                        let cells = run.start * block..(run.end * block).min(nx);
-                        let (first, end) = (*self.touched(0, cells.start).start(), self.touched(0, cells.end - 1).end() + 1);
-                        let row_at = |y: usize, z: usize| &voxels[(z * ny + y) * nx..][first..end];
-                        let (low, high) = (&mut low[first..end], &mut high[first..end]);
-                        low.copy_from_slice(row_at(y, z));
-                        high.copy_from_slice(row_at(y, z));
-                        for vz in self.touched(2, z) {
-                            for vy in self.touched(1, y) {
-                                min_into(low, row_at(vy, vz));
-                                max_into(high, row_at(vy, vz));
-                            }
-                        }
-                        // Neighbours are often of one range, inside a solid above all.
-                        let mut last = ([f32::NAN; 2], false);
-                        for x in cells {
-                            let touched = self.touched(0, x);
-                            let touched = touched.start() - first..touched.end() + 1 - first;
-                            let least = low[touched.clone()].iter().copied().reduce(|a, b| if b < a { b } else { a });
-                            let most = high[touched].iter().copied().reduce(|a, b| if a < b { b } else { a });
-                            let (Some(least), Some(most)) = (least, most) else {
-                                unreachable!("a cell touches a voxel")
-                            };
-                            let range = [f32::from(least), f32::from(most)];
-                            if range != last.0 {
-                                last = (range, self.shows(range));
-                            }
-                            out[x / 64] |= u64::from(last.1) << (x % 64);
-                        }
-                    }
+        bits.par_chunks_mut(per_row)
+            .enumerate()
+            .with_min_len(16)
+            .for_each_init(
+                || [voxels[..nx].to_vec(), voxels[..nx].to_vec()],
+                |scratch, (row, out)| {
+                    self.bits_of_row(voxels, occupancy, [row % ny, row / ny], scratch, out);
                 },
             );
-        });
         bits
+    }
+
+    /// The bits of the row at (y, z); `scratch` holds as many voxels, twice.
+    fn bits_of_row<T: Copy + PartialOrd + Into<f32>>(
+        &self,
+        voxels: &[T],
+        occupancy: &Occupancy,
+        [y, z]: [usize; 2],
+        [low, high]: &mut [Vec<T>; 2],
+        out: &mut [u64],
+    ) {
+        let [nx, ny, _] = self.volume.dims;
+        let block = occupancy.block;
+        let active = occupancy.row(y / block, z / block);
+        let mut searched = 0;
+        while let Some(run) = next_run(active, searched) {
+            searched = run.end;
+            let cells = run.start * block..(run.end * block).min(nx);
+            // The voxels that they touch, least and most over y and z.
+            let first = *self.touched(0, cells.start).start();
+            let end = self.touched(0, cells.end - 1).end() + 1;
+            let row_at = |y: usize, z: usize| &voxels[(z * ny + y) * nx..][first..end];
+            let (low, high) = (&mut low[first..end], &mut high[first..end]);
+            low.copy_from_slice(row_at(y, z));
+            high.copy_from_slice(row_at(y, z));
+            for z in self.touched(2, z) {
+                for y in self.touched(1, y) {
+                    min_into(low, row_at(y, z));
+                    max_into(high, row_at(y, z));
+                }
+            }
+            // Neighbours are often of one range, inside a solid above all.
+            let mut last = ([f32::NAN; 2], false);
+            for x in cells {
+                let touched = self.touched(0, x);
+                let mut range = [f32::INFINITY, f32::NEG_INFINITY];
+                for i in touched.start() - first..=touched.end() - first {
+                    range = [range[0].min(low[i].into()), range[1].max(high[i].into())];
+                }
+                if range != last.0 {
+                    last = (range, self.shows(range));
+                }
+                out[x / 64] |= u64::from(last.1) << (x % 64);
+            }
+        }
     }
 
     /// The same where voxels are shown, not what lies between them.
@@ -149,7 +166,7 @@ impl Cells {
         let at = if rule.is_by_voxel {
             rule.bits_by_voxel()
         } else {
-            rule.bits(occupancy)
+            with_voxels!(&rule.volume.voxels, voxels => rule.bits(voxels, occupancy))
         };
         let within_1 = spread(&at, dims, 1, 1);
         let within_2 = spread(&within_1, dims, 1, 1);

@@ -37,7 +37,7 @@ pub enum Plan<'a> {
     /// [`Skip::SegmentList`].
     SegmentList(&'a Occupancy),
     /// [`Skip::BeamCells`].
-    BeamCells(BeamCells<'a>),
+    BeamCells(Box<BeamCells<'a>>),
     /// [`Skip::OctreeEncoded`].
     OctreeEncoded(&'a Occupancy, Bound<'a>),
     /// [`Skip::TwoStep`].
@@ -94,7 +94,10 @@ impl<'a> Plan<'a> {
                 bound: Bound::NONE,
             }),
             Skip::SegmentList => Self::SegmentList(occupancy),
-            Skip::BeamCells => Self::BeamCells(BeamCells::new(occupancy, frame, Near::Unknown)),
+            Skip::BeamCells => {
+                let beams = BeamCells::new(occupancy, frame, Near::Unknown);
+                Self::BeamCells(Box::new(beams))
+            }
             Skip::OctreeEncoded => Self::OctreeEncoded(occupancy, Bound::NONE),
             Skip::TwoStep => Self::TwoStep,
             Skip::Oracle => Self::Oracle,
@@ -122,7 +125,7 @@ impl<'a> Plan<'a> {
     #[must_use]
     pub fn cut_down(self, near: Near<'a>) -> Self {
         match self {
-            Self::BeamCells(beams) => Self::BeamCells(beams.with_cells(near)),
+            Self::BeamCells(beams) => Self::BeamCells(Box::new(beams.with_cells(near))),
             other => other,
         }
     }
