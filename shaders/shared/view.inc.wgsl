@@ -45,7 +45,7 @@ struct View {
     raw_origin: f32,
     // Leaf blocks along x, y, z.
     block_dims: vec3u,
-    // Where in shared/blocks' `blocks` what follows the blocks begins (majorants), in words; not read where there is none.
+    // Where in shared/blocks' `blocks` what follows the blocks begins, in words: majorants, or cells.
     after_blocks: u32,
     // Table entries N, and how near to an entry counts as on it.
     entries: f32,
