@@ -375,6 +375,7 @@ impl Renderer {
                     parts: needs.parts,
                     masks: needs.masks,
                     blocks: needs.blocks,
+                    bricks: needs.bricks,
                     block: settings.block,
                     stored_span: high - low,
                     active: &needs.active,

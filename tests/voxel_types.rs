@@ -85,6 +85,20 @@ fn signed_wide_and_float_voxels_show_the_same_picture_as_bytes() {
                     .pixels,
                 0
             );
+            // What its samples come from holds the voxels in their own type too, and is more than others keep.
+            settings.skip = Skip::BeamCells;
+            settings.block = 4;
+            let with_bricks = renderer.prepare(&settings).unwrap().structure_bytes;
+            let drawn = renderer.render(&settings).unwrap().picture;
+            assert_eq!(
+                drawn.difference(&picture).pixels,
+                0,
+                "{}",
+                volume.voxels.voxel_type().name()
+            );
+            settings.sampler = Some(Sampler::Nearest);
+            let without = renderer.prepare(&settings).unwrap().structure_bytes;
+            assert!(with_bricks > without, "{with_bricks} and {without} bytes");
             pictures.push(picture);
         }
     }

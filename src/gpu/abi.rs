@@ -125,6 +125,7 @@ mod tests {
             ("COUNT", "off"),
             ("GRADIENT", "fly"),
             ("CUE", "on"),
+            ("STORE", "volume"),
             ("BOUND", "none"),
         ];
         let module = naga::front::wgsl::parse_str(&compose(root, &choices).unwrap()).unwrap();

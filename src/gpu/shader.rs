@@ -74,6 +74,8 @@ shaders![
     "skip/two_step.inc",
     "step/one.inc",
     "step/several.inc",
+    "store/bricks.inc",
+    "store/volume.inc",
 ];
 
 /// The text of pass `root` with all imports resolved. `choices` fills `{NAME}`s in import paths.
@@ -193,18 +195,23 @@ mod tests {
                 composed.push(slices(sampler, "post", mode, "highest"));
             }
         }
-        let march = |skip, (sampler, classification), mode, bound, count, gradient, cue| {
-            let choices = [
-                ("SKIP", skip),
-                ("SAMPLER", sampler),
-                ("CLASSIFICATION", classification),
-                ("MODE", mode),
-                ("BOUND", bound),
-                ("COUNT", count),
-                ("GRADIENT", gradient),
-                ("CUE", cue),
-            ];
-            compose("march", &choices).unwrap()
+        let march_of =
+            |store, skip, (sampler, classification), mode, bound, count, gradient, cue| {
+                let choices = [
+                    ("SKIP", skip),
+                    ("SAMPLER", sampler),
+                    ("CLASSIFICATION", classification),
+                    ("MODE", mode),
+                    ("BOUND", bound),
+                    ("COUNT", count),
+                    ("GRADIENT", gradient),
+                    ("CUE", cue),
+                    ("STORE", store),
+                ];
+                compose("march", &choices).unwrap()
+            };
+        let march = |skip, how, mode, bound, count, gradient, cue| {
+            march_of("volume", skip, how, mode, bound, count, gradient, cue)
         };
         for skip in names("skip/") {
             for &sampler in &samplers {
@@ -236,6 +243,17 @@ mod tests {
                 for cue in names("cue/") {
                     let how = ("hardware", "post");
                     composed.push(march("bounds", how, mode, "none", "off", gradient, cue));
+                }
+            }
+        }
+        // Bricks hold what one sampler reads for one classification.
+        for skip in ["beam_cells", "oracle"] {
+            for mode in names("mode/") {
+                for count in ["off", "on"] {
+                    let how = ("exact", "post");
+                    composed.push(march_of(
+                        "bricks", skip, how, mode, "none", count, "fly", "off",
+                    ));
                 }
             }
         }

@@ -1,5 +1,7 @@
 //! A volume resident on the device as a 3D texture.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -12,6 +14,92 @@ const SLAB_BYTES: usize = 16 << 20;
 
 /// Bytes of four 16-bit floats.
 const TEXEL_BYTES: usize = 8;
+
+/// How an adapter stores voxels of a type: as the type's own numbers, where it can.
+pub(crate) struct Stored {
+    /// One to a texel.
+    pub(crate) one: wgpu::TextureFormat,
+    /// Four to a texel.
+    pub(crate) four: wgpu::TextureFormat,
+    /// See [`VolumeTexture::stored_per_raw`].
+    per_raw: f64,
+    /// See [`VolumeTexture::stored_at_zero`].
+    at_zero: f64,
+}
+
+impl Stored {
+    pub(crate) fn of(gpu: &Gpu, voxels: &Voxels) -> Self {
+        use wgpu::TextureFormat as Format;
+        let [one, four] = match voxels {
+            Voxels::U8(_) | Voxels::I8(_) => [Format::R8Unorm, Format::Rgba8Unorm],
+            Voxels::U16(_) | Voxels::I16(_) if has_unorm16(gpu) => {
+                [Format::R16Unorm, Format::Rgba16Unorm]
+            }
+            Voxels::U16(_) | Voxels::I16(_) | Voxels::F32(_) => {
+                [Format::R32Float, Format::Rgba32Float]
+            }
+        };
+        let (per_raw, at_zero) = match voxels {
+            _ if one == Format::R32Float => (1.0, 0.0),
+            Voxels::U8(_) => (255.0, 0.0),
+            Voxels::I8(_) => (255.0, -128.0),
+            Voxels::U16(_) => (65535.0, 0.0),
+            Voxels::I16(_) => (65535.0, -32768.0),
+            Voxels::F32(_) => (1.0, 0.0),
+        };
+        Self {
+            one,
+            four,
+            per_raw,
+            at_zero,
+        }
+    }
+}
+
+/// Whether the adapter stores 16-bit numbers as such.
+pub(crate) fn has_unorm16(gpu: &Gpu) -> bool {
+    let features = gpu.device.features();
+    features.contains(wgpu::Features::TEXTURE_FORMAT_16BIT_NORM)
+}
+
+/// Evaluates `$body` with `$voxels` as a slice and `$texel`, which makes of a voxel what [`Stored`] says of its type.
+macro_rules! with_texels {
+    ($gpu:expr, $all:expr, ($voxels:ident, $texel:ident) => $body:expr) => {{
+        use $crate::volume::Voxels;
+        let wide = $crate::gpu::texture::has_unorm16($gpu);
+        match $all {
+            Voxels::U8(v) => {
+                let ($voxels, $texel) = (&v[..], |s: u8| s);
+                $body
+            }
+            Voxels::I8(v) => {
+                let ($voxels, $texel) = (&v[..], |s: i8| s.wrapping_add(-128).cast_unsigned());
+                $body
+            }
+            Voxels::U16(v) if wide => {
+                let ($voxels, $texel) = (&v[..], |s: u16| s);
+                $body
+            }
+            Voxels::I16(v) if wide => {
+                let ($voxels, $texel) = (&v[..], |s: i16| s.wrapping_add(-32768).cast_unsigned());
+                $body
+            }
+            Voxels::U16(v) => {
+                let ($voxels, $texel) = (&v[..], |s: u16| f32::from(s));
+                $body
+            }
+            Voxels::I16(v) => {
+                let ($voxels, $texel) = (&v[..], |s: i16| f32::from(s));
+                $body
+            }
+            Voxels::F32(v) => {
+                let ($voxels, $texel) = (&v[..], |s: f32| s);
+                $body
+            }
+        }
+    }};
+}
+pub(crate) use with_texels;
 
 /// A volume's 3D texture and what its texels mean.
 #[derive(Debug)]
@@ -48,24 +136,12 @@ impl VolumeTexture {
                 longest.div_ceil(limit),
             )));
         }
-        let wide = gpu
-            .device
-            .features()
-            .contains(wgpu::Features::TEXTURE_FORMAT_16BIT_NORM);
+        let stored = Stored::of(gpu, &volume.voxels);
+        let format = stored.one;
         let filters_f32 = gpu
             .device
             .features()
             .contains(wgpu::Features::FLOAT32_FILTERABLE);
-        let (unorm8, unorm16) = (wgpu::TextureFormat::R8Unorm, wgpu::TextureFormat::R16Unorm);
-        let (format, stored_per_raw, stored_at_zero) = match &volume.voxels {
-            Voxels::U8(_) => (unorm8, 255.0, 0.0),
-            Voxels::I8(_) => (unorm8, 255.0, -128.0),
-            Voxels::U16(_) if wide => (unorm16, 65535.0, 0.0),
-            Voxels::I16(_) if wide => (unorm16, 65535.0, -32768.0),
-            Voxels::U16(_) | Voxels::I16(_) | Voxels::F32(_) => {
-                (wgpu::TextureFormat::R32Float, 1.0, 0.0)
-            }
-        };
         let texture = create(gpu, "volume", volume.dims, format);
         let texture = texture.map_err(|error| {
             Error::Limit(format!(
@@ -75,21 +151,9 @@ impl VolumeTexture {
                 gpu.info.name,
             ))
         })?;
-        match &volume.voxels {
-            Voxels::U8(v) => write(gpu, &texture, volume.dims, v, |s| s)?,
-            Voxels::I8(v) => write(gpu, &texture, volume.dims, v, |s| {
-                s.wrapping_add(-128).cast_unsigned()
-            })?,
-            Voxels::U16(v) if wide => write(gpu, &texture, volume.dims, v, |s| s)?,
-            Voxels::I16(v) if wide => {
-                write(gpu, &texture, volume.dims, v, |s| {
-                    s.wrapping_add(-32768).cast_unsigned()
-                })?;
-            }
-            Voxels::U16(v) => write(gpu, &texture, volume.dims, v, f32::from)?,
-            Voxels::I16(v) => write(gpu, &texture, volume.dims, v, f32::from)?,
-            Voxels::F32(v) => write(gpu, &texture, volume.dims, v, |s| s)?,
-        }
+        with_texels!(gpu, &volume.voxels, (voxels, texel) => {
+            write(gpu, &texture, volume.dims, voxels, texel)?;
+        });
         let filterable = format != wgpu::TextureFormat::R32Float || filters_f32;
         let mode = if filterable {
             wgpu::FilterMode::Linear
@@ -105,8 +169,8 @@ impl VolumeTexture {
                 ..Default::default()
             }),
             filterable,
-            stored_per_raw,
-            stored_at_zero,
+            stored_per_raw: stored.per_raw,
+            stored_at_zero: stored.at_zero,
         })
     }
 }
@@ -167,7 +231,7 @@ impl ColorTexture {
 }
 
 /// A 3D texture of as many texels.
-fn create(
+pub(crate) fn create(
     gpu: &Gpu,
     label: &str,
     dims: [usize; 3],
@@ -192,7 +256,7 @@ fn create(
 }
 
 /// Writes voxels as texels, some slices at a time.
-fn write<S: Copy + Sync, T: bytemuck::Pod + Send>(
+pub(crate) fn write<S: Copy + Sync, T: bytemuck::Pod + Send>(
     gpu: &Gpu,
     texture: &wgpu::Texture,
     dims: [usize; 3],
@@ -200,11 +264,27 @@ fn write<S: Copy + Sync, T: bytemuck::Pod + Send>(
     texel: impl Fn(S) -> T + Sync,
 ) -> Result<()> {
     let slice = dims[0] * dims[1];
-    let slices = (SLAB_BYTES / (slice * size_of::<T>())).max(1);
-    let mut texels = Vec::with_capacity(slice * slices.min(dims[2]));
-    for (i, slab) in voxels.chunks(slice * slices).enumerate() {
+    write_slabs(gpu, texture, dims, 1, |slices, texels| {
+        let slab = &voxels[slices.start * slice..slices.end * slice];
         let chosen = slab.par_iter().with_min_len(1 << 14).map(|&s| texel(s));
-        chosen.collect_into_vec(&mut texels);
+        chosen.collect_into_vec(texels);
+    })
+}
+
+/// Writes a texture of these texels, some slices at a time, a multiple of `unit`; `fill` makes the texels of a range of them.
+pub(crate) fn write_slabs<T: bytemuck::Pod>(
+    gpu: &Gpu,
+    texture: &wgpu::Texture,
+    dims: [usize; 3],
+    unit: usize,
+    mut fill: impl FnMut(Range<usize>, &mut Vec<T>),
+) -> Result<()> {
+    let slice = dims[0] * dims[1];
+    let slices = (SLAB_BYTES / (slice * unit * size_of::<T>())).max(1) * unit;
+    let mut texels = Vec::with_capacity(slice * slices.min(dims[2]));
+    for first in (0..dims[2]).step_by(slices) {
+        let slab = first..(first + slices).min(dims[2]);
+        fill(slab.clone(), &mut texels);
         gpu.queue.write_texture(
             wgpu::TexelCopyTextureInfo {
                 texture,
@@ -212,7 +292,7 @@ fn write<S: Copy + Sync, T: bytemuck::Pod + Send>(
                 origin: wgpu::Origin3d {
                     x: 0,
                     y: 0,
-                    z: (i * slices) as u32,
+                    z: first as u32,
                 },
                 aspect: wgpu::TextureAspect::All,
             },
@@ -225,7 +305,7 @@ fn write<S: Copy + Sync, T: bytemuck::Pod + Send>(
             wgpu::Extent3d {
                 width: dims[0] as u32,
                 height: dims[1] as u32,
-                depth_or_array_layers: (slab.len() / slice) as u32,
+                depth_or_array_layers: slab.len() as u32,
             },
         );
         // Sent at once, so that its staging memory is free again before the next slab needs some.

@@ -18,7 +18,7 @@ use crate::with_voxels;
 pub const FARTHEST: u32 = 3;
 
 /// Cells to a word.
-const PER_WORD: usize = 16;
+pub(super) const PER_WORD: usize = 16;
 
 /// What makes a cell contribute to pictures.
 ///
@@ -197,6 +197,18 @@ impl Cells {
     pub fn distance(&self, [x, y, z]: [usize; 3]) -> u32 {
         let row = (z * self.dims[1] + y) * self.dims[0].div_ceil(PER_WORD);
         self.words[row + x / PER_WORD] >> (x % PER_WORD * 2) & 3
+    }
+
+    /// Cells along x, y, z: as many as voxels.
+    pub fn dims(&self) -> [usize; 3] {
+        self.dims
+    }
+
+    /// The cells of a row that contribute: of two bits for each the lower, in words as those of [`Self::words`].
+    pub(super) fn contributing(&self, y: usize, z: usize) -> impl Iterator<Item = u32> + '_ {
+        let per_row = self.dims[0].div_ceil(PER_WORD);
+        let words = &self.words[(z * self.dims[1] + y) * per_row..][..per_row];
+        words.iter().map(|word| !(word | word >> 1) & 0x5555_5555)
     }
 
     /// What shaders read.

@@ -6,6 +6,7 @@
 
 pub mod accelerator;
 mod bits;
+pub mod bricks;
 pub mod cells;
 mod colored;
 pub mod hull;
@@ -19,6 +20,7 @@ pub mod tree;
 pub const BLOCKS: [usize; 6] = [2, 4, 8, 16, 32, 64];
 
 pub use accelerator::Accelerator;
+pub use bricks::Bricks;
 pub use cells::{CellRule, Cells};
 pub use hull::{Face, Hull};
 pub use leaf_grid::LeafGrid;

@@ -37,15 +37,16 @@ pub(super) fn bounded_by(settings: &Settings) -> Option<Mode> {
 }
 
 impl BlockWords {
-    /// Makes those of the settings' method over the blocks of `grid`, of which `occupancy` says which are active and
-    /// `majorants`, where it reads them, by what they are bounded; `None` where it reads none. What strides follow from is
-    /// built at first use.
+    /// Makes those of the settings' method over the blocks of `grid`, of which `occupancy` says which are active; `majorants`,
+    /// by what they are bounded, and `cells` follow where it reads them. `None` where it reads none of all these. What strides
+    /// follow from is built at first use.
     pub(super) fn make(
         id: u64,
         settings: &Settings,
         scene: &Scene,
         table: &Arc<Table>,
-        (grid, occupancy, majorants): (&LeafGrid, &Occupancy, Option<&Majorants>),
+        (grid, occupancy): (&LeafGrid, &Occupancy),
+        (majorants, cells): (Option<&Majorants>, Option<&Cells>),
         gradients: &mut Option<Gradients>,
     ) -> Option<Self> {
         let start = Instant::now();
@@ -60,9 +61,8 @@ impl BlockWords {
         if let Some(majorants) = majorants {
             content.extend(majorants.words());
         }
-        if settings.skip.reads_cells() {
-            let rule = cell_rule(settings, scene, table);
-            content.extend_from_slice(Cells::new(&rule, occupancy).words());
+        if let Some(cells) = cells {
+            content.extend_from_slice(cells.words());
         }
         Some(Self {
             id,

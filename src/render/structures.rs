@@ -17,7 +17,7 @@ use super::gpu::Part;
 use super::{Preparation, Settings, ms_since};
 use crate::cpu::CpuPlan;
 use crate::error::{Error, Result};
-use crate::octree::{Accelerator, Occupancy};
+use crate::octree::{Accelerator, Bricks, Occupancy};
 use crate::sample::Classification;
 use crate::scene::Scene;
 use crate::skip::adaptive::Gradients;
@@ -49,6 +49,8 @@ pub(super) struct GpuNeeds<'a> {
     pub(super) masks: Option<&'a BeamMasks>,
     /// What the method's own shader reads of every block.
     pub(super) blocks: Option<&'a BlockWords>,
+    /// What its samples come from in place of the volume, and the name of that.
+    pub(super) bricks: Option<(u64, &'a Bricks)>,
     /// Boxes around all that can be seen, local coordinates.
     pub(super) active: Vec<[DVec3; 2]>,
 }
@@ -113,6 +115,7 @@ impl Structures {
                 parts: Vec::new(),
                 masks: None,
                 blocks: None,
+                bricks: None,
                 active: vec![[DVec3::ZERO, scene.frame.extent]],
             };
             return Ok((needs, Preparation::default()));
@@ -130,11 +133,15 @@ impl Structures {
         if culled.words_of(settings).is_none() {
             let grid = &accelerator.grid;
             let majorants = culled.majorants(settings, scene, grid);
-            let blocks = (grid, &culled.occupancy, majorants.as_deref());
+            let reads_cells = settings.skip.reads_cells();
+            let cells = reads_cells.then(|| culled.cells(settings, scene));
+            let blocks = (grid, &culled.occupancy);
+            let after = (majorants.as_deref(), cells.as_deref());
             let gradients = &mut kept.gradients;
-            let made = BlockWords::make(words_id, settings, scene, table, blocks, gradients);
+            let made = BlockWords::make(words_id, settings, scene, table, blocks, after, gradients);
             culled.words.extend(made);
         }
+        let reads_bricks = culled.make_bricks(settings, scene);
         let regions = culled.regions(settings, scene, cut_samples);
         let places: Vec<usize> = regions.iter().map(|r| culled.make_hull(r)).collect();
         let culled = &*culled;
@@ -155,6 +162,7 @@ impl Structures {
                 .as_ref()
                 .filter(|_| settings.skip == Skip::BeamMasks),
             blocks: culled.words_of(settings),
+            bricks: culled.bricks().filter(|_| reads_bricks),
             active: culled.boxes.clone(),
         };
         Ok((needs, preparation))

@@ -305,6 +305,12 @@ impl Skip {
         self == Self::BeamCells
     }
 
+    /// Whether its samples may come from bricks: all of them lie where the volume's cells say that something shows, or show
+    /// nothing.
+    pub fn reads_bricks(self) -> bool {
+        matches!(self, Self::BeamCells | Self::Oracle)
+    }
+
     /// What its shader reads of every block, if it has one of its own that reads no more than which are active.
     pub fn block_words(self, occupancy: &Occupancy) -> Option<Vec<u32>> {
         match self {

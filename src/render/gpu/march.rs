@@ -24,6 +24,8 @@ pub(super) struct March {
     pub(super) gradient: Gradient,
     /// Whether colours fade with depth.
     pub(super) is_cued: bool,
+    /// Whether values come from bricks, in place of the volume.
+    pub(super) reads_bricks: bool,
 }
 
 /// Where a marcher takes gradients from.
@@ -76,7 +78,7 @@ pub(super) struct MarchPass {
     /// View, settings, tiles, target, progress, volume, filter, table, mode, gradients, colours of voxels.
     pub(super) scene_layout: wgpu::BindGroupLayout,
     /// Bounds, what a pass notes (work counters, or what the next one reads), runs of tiles (of the processor, or as the last pass
-    /// noted them), blocks or what the last pass noted of rays.
+    /// noted them), blocks or what the last pass noted of rays, bricks' places, bricks.
     pub(super) skip_layout: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
     pipelines: HashMap<March, wgpu::ComputePipeline>,
@@ -187,6 +189,20 @@ impl MarchPass {
                     entry(1, storage(false)),
                     entry(2, storage(true)),
                     entry(3, storage(true)),
+                    entry(
+                        4,
+                        texture(
+                            wgpu::TextureSampleType::Uint,
+                            wgpu::TextureViewDimension::D3,
+                        ),
+                    ),
+                    entry(
+                        5,
+                        texture(
+                            wgpu::TextureSampleType::Float { filterable: false },
+                            wgpu::TextureViewDimension::D3,
+                        ),
+                    ),
                 ],
             });
         let layout = gpu
@@ -220,6 +236,14 @@ impl MarchPass {
                 ("COUNT", march.count.shader()),
                 ("GRADIENT", march.gradient.shader()),
                 ("CUE", if march.is_cued { "on" } else { "off" }),
+                (
+                    "STORE",
+                    if march.reads_bricks {
+                        "bricks"
+                    } else {
+                        "volume"
+                    },
+                ),
             ];
             let pipeline = self.compile(gpu, "march", &choices)?;
             self.pipelines.insert(march, pipeline);

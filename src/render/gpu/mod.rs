@@ -1,6 +1,7 @@
 //! The GPU backend: resident volume, passes and targets.
 
 mod before;
+mod bricks;
 mod classes;
 mod dispatch;
 mod faces;
@@ -19,6 +20,7 @@ use std::time::Instant;
 use glam::DVec3;
 
 use self::before::{Listing, largest_piece, ray_bytes};
+use self::bricks::KeptBricks;
 use self::classes::ClassBuffers;
 pub(super) use self::classes::JobClasses;
 use self::faces::{BoundsTexture, FaceBuffers, FacesPass};
@@ -33,7 +35,7 @@ use crate::gpu::buffer::{GrowBuffer, KeptBuffer, read_back};
 use crate::gpu::texture::VolumeTexture;
 use crate::gpu::timer::SpanTimer;
 use crate::gpu::{AdapterKind, Gpu};
-use crate::octree::Hull;
+use crate::octree::{Bricks, Hull};
 use crate::render::block_words::BlockWords;
 use crate::render::slices::Slices;
 use crate::render::{FrameTimes, ms_since};
@@ -69,6 +71,8 @@ pub(super) struct Job<'a> {
     pub(super) masks: Option<&'a BeamMasks>,
     /// What the method's own shader reads of every block.
     pub(super) blocks: Option<&'a BlockWords>,
+    /// What its samples come from in place of the volume, and the name of that.
+    pub(super) bricks: Option<(u64, &'a Bricks)>,
     /// Leaf block edge in voxels.
     pub(super) block: usize,
     /// How far two stored numbers of the volume can lie apart.
@@ -108,6 +112,7 @@ pub(super) struct GpuBackend {
     tiles: GrowBuffer,
     runs: GrowBuffer,
     blocks: KeptBuffer,
+    bricks: KeptBricks,
     /// What is found out of every ray before it is marched.
     rays: GrowBuffer,
     target: GrowBuffer,
@@ -169,6 +174,7 @@ impl GpuBackend {
             tiles: GrowBuffer::new("tiles", Usage::STORAGE),
             runs: GrowBuffer::new("runs", Usage::STORAGE),
             blocks: KeptBuffer::new("blocks"),
+            bricks: KeptBricks::new(&gpu)?,
             rays: GrowBuffer::new("rays", Usage::STORAGE),
             target: GrowBuffer::new("target", storage),
             progress: GrowBuffer::new("progress", Usage::STORAGE),
@@ -197,6 +203,7 @@ impl GpuBackend {
         self.gradients = None;
         self.kept_faces.clear();
         self.blocks.clear();
+        self.bricks.clear();
         self.classes.forget_volume();
         let resident = VolumeTexture::upload(&self.gpu, volume)?;
         if resident.filterable != self.march_filterable {
@@ -254,6 +261,7 @@ impl GpuBackend {
         }
         is_new |= blocks.is_some_and(|(id, _)| !self.blocks.holds(id));
         self.blocks.holding(&self.gpu, blocks);
+        is_new |= self.bricks.prepare(&self.gpu, job)?;
         self.make_gradients(job)?;
         if is_new {
             // Else the copies would wait for the frame's submission, and count as part of it.
@@ -273,6 +281,7 @@ impl GpuBackend {
             + job
                 .block_words()
                 .map_or(0, |(_, words)| size_of_val(words) as u64)
+            + self.bricks.of(job).map_or(0, |bricks| bricks.bytes)
             + self.classes.bytes(job)
             + ray_bytes(job, piece)
             + job

@@ -82,8 +82,10 @@ impl GpuBackend {
         let (table, colors) = self.classes.bound(gpu, job);
         let mode = self.mode.write(gpu, &[mode_of(job, volume, gradients)]);
 
-        // What is not read is bound all the same: to the voxels.
+        // What is not read is bound all the same: to the voxels, to a texel.
         let gradient_view = gradients.map_or(&volume.view, |g| &g.view);
+        let bricks = self.bricks.of(job);
+        let brick_views = self.bricks.bound(job);
 
         let segments = job.parts.len();
         if self
@@ -106,6 +108,7 @@ impl GpuBackend {
             count,
             gradient: job.gradient(),
             is_cued: job.scene.depth_cue > 0.0,
+            reads_bricks: bricks.is_some() && !is_first,
         };
         let mut encoder = gpu
             .device
@@ -177,6 +180,8 @@ impl GpuBackend {
                     bind(1, notes.as_entire_binding()),
                     bind(2, runs.as_entire_binding()),
                     bind(3, reads.as_entire_binding()),
+                    bind(4, wgpu::BindingResource::TextureView(&brick_views.places)),
+                    bind(5, wgpu::BindingResource::TextureView(&brick_views.texels)),
                 ],
             })
         };

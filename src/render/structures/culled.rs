@@ -9,10 +9,10 @@ use glam::DVec3;
 use super::near::near_first;
 use crate::cpu::CpuPlan;
 use crate::mode::Activity;
-use crate::octree::{Accelerator, Cells, Hull, LeafGrid, Occupancy};
+use crate::octree::{Accelerator, Bricks, Cells, Hull, LeafGrid, Occupancy};
 use crate::render::block_words::{BlockWords, bounded_by, cell_rule};
 use crate::render::{Preparation, Settings, ms_since};
-use crate::sample::Classification;
+use crate::sample::{Classification, Sampler};
 use crate::scene::Scene;
 use crate::skip::beam_masks::BeamMasks;
 use crate::skip::k_cuts::{BestCuts, Planes};
@@ -39,8 +39,8 @@ pub(super) struct Culled {
     /// What the SIMD backend keeps, by method.
     pub(super) cpu_plans: Vec<CpuPlan>,
     pub(super) masks: Option<BeamMasks>,
-    /// The cells that contribute, for rays that the processor follows.
     cells: Option<Arc<Cells>>,
+    bricks: Option<Bricks>,
     /// What shaders of their own read of every block, by method.
     pub(super) words: Vec<BlockWords>,
     /// Those that were asked for last, and what making them took, in ms.
@@ -81,6 +81,7 @@ impl Culled {
             cpu_plans: Vec::new(),
             masks: None,
             cells: None,
+            bricks: None,
             words: Vec::new(),
             majorants: None,
         }
@@ -115,6 +116,27 @@ impl Culled {
             Arc::new(cells)
         });
         Arc::clone(made)
+    }
+
+    /// Makes the bricks that the settings' samples can come from, at first use; whether there are such. Bricks hold what
+    /// trilinear interpolation reads, and tell of one point of a ray whether it shows anything there.
+    pub(super) fn make_bricks(&mut self, settings: &Settings, scene: &Scene) -> bool {
+        let reads = settings.skip.reads_bricks()
+            && scene.sampler == Sampler::Exact
+            && settings.classification == Classification::Post;
+        if reads && self.bricks.is_none() {
+            let cells = self.cells(settings, scene);
+            let start = Instant::now();
+            self.bricks = Some(Bricks::new(&cells));
+            self.cull_ms += ms_since(start);
+        }
+        reads
+    }
+
+    /// Those that were made, and their name, if they are few enough to be worth their memory.
+    pub(super) fn bricks(&self) -> Option<(u64, &Bricks)> {
+        let bricks = self.bricks.as_ref()?;
+        bricks.are_few().then_some((self.id, bricks))
     }
 
     /// The majorants that the settings' method reads, if those were made last.
