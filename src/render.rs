@@ -333,6 +333,7 @@ impl Renderer {
             }
             None => None,
         };
+        self.learn_cut_cost(settings)?;
         let sliced;
         let settings = if let Some(slices) = &slices {
             sliced = Settings {

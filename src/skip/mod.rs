@@ -204,9 +204,9 @@ pub const METHODS: &[Method] = &[
         shader: "beam_cells",
         backends: &["gpu", "reference"],
         max_segments: MOST_SEGMENTS,
-        summary: "tiles leap as one beam by the distance map; rays cut what is left down to cells of eight voxels",
-        origin: "this project; beams after Laine & Karras 2010",
-        known_failure: "two bits for every voxel, made anew with every table; gaps that a beam does not fit through",
+        summary: "tiles leap as one beam by the distance map; rays cut what is left down to cells of eight voxels, and read packed bricks",
+        origin: "this project; beams after Laine & Karras 2010, bricks after Crassin et al. 2009",
+        known_failure: "two bits for every voxel and copies of what shows, made anew with every table; gaps that a beam does not fit through",
     },
     Method {
         skip: Skip::OctreeEncoded,

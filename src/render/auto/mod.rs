@@ -182,6 +182,17 @@ impl Renderer {
         Ok(choice)
     }
 
+    /// Finds out what a cut costs on this adapter, where the settings' method cuts by that and it is not known.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub(super) fn learn_cut_cost(&mut self, settings: &Settings) -> Result<()> {
+        if self.structures.lacks_cut_samples(settings) {
+            self.calibrate(settings)?;
+        }
+        Ok(())
+    }
+
     /// The calibration for the settings' mode, classification and sampler: as known, as the cache has it, or fitted to probe
     /// frames that are drawn now.
     fn calibrate(&mut self, settings: &Settings) -> Result<Calibration> {
@@ -192,13 +203,16 @@ impl Renderer {
             // Nobody waits for the reference to be fast.
             None if self.info.backend == "reference" => Calibration::assumed(),
             None => {
+                // The probes cut, too.
+                let assumed = self.structures.cut_samples();
+                self.structures.set_cut_samples(Some(assumed));
                 let calibration = probes::calibration(self, &kind)?;
                 self.chooser.calibrations.push((kind, calibration.clone()));
                 calibration
             }
         };
         if let Some(samples) = calibration.cut_samples() {
-            self.structures.set_cut_samples(samples);
+            self.structures.set_cut_samples(Some(samples));
         }
         Ok(calibration)
     }
