@@ -171,6 +171,7 @@ impl Renderer {
         self.structures.clear();
         if let Backend::Gpu(backend) = &mut self.backend {
             backend.drop_gradients();
+            backend.drop_bricks();
         }
     }
 

@@ -73,6 +73,31 @@ fn a_calibration_is_kept_and_a_broken_one_made_anew() {
 }
 
 #[test]
+fn what_a_cut_costs_is_found_out_where_cuts_follow_from_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let kept = folder.join("cache/hollowcast/calibration.json");
+    let draw = |flags: &[&str]| {
+        let cut = [
+            "render",
+            POT,
+            "-o",
+            "p.npy",
+            "--size",
+            "8",
+            "--backend",
+            "gpu",
+        ];
+        succeeds(folder, &[&cut[..], &["--method", "k-cuts"], flags].concat());
+    };
+    draw(&["--cuts", "2"]);
+    assert!(!kept.exists());
+    draw(&[]);
+    let found: Value = serde_json::from_str(&fs::read_to_string(&kept).unwrap()).unwrap();
+    assert_eq!(found["found"].as_object().unwrap().len(), 1);
+}
+
+#[test]
 fn what_auto_chooses_is_not_given_by_hand_too() {
     let folder = tempfile::tempdir().unwrap();
     for flag in [["--block", "4"], ["--cut", "best"], ["--cuts", "3"]] {

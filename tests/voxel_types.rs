@@ -5,7 +5,8 @@ mod support;
 
 use std::sync::Arc;
 
-use hollowcast::sample::Sampler;
+use hollowcast::render::Settings;
+use hollowcast::sample::{Classification, Sampler};
 use hollowcast::skip::Skip;
 use hollowcast::volume::{Volume, Voxels, phantom};
 use support::{nearness, outside, ramp, renderer};
@@ -107,6 +108,45 @@ fn signed_wide_and_float_voxels_show_the_same_picture_as_bytes() {
         let (db, _) = nearness(picture, &pictures[0]);
         assert!(db > 55.0, "{db} dB");
     }
+}
+
+#[test]
+fn bricks_follow_table_sampler_classification_block_and_volume() {
+    let mut renderer = renderer();
+    let tables = [
+        ramp(40.0, 255.0, 0.3),
+        ramp(150.0, 255.0, 0.3),
+        ramp(0.0, 255.0, 0.3),
+    ];
+    let mut shown = 0;
+    for name in ["pot", "shells", "pot"] {
+        let volume = Arc::new(phantom::make(name, [40, 37, 41]).unwrap());
+        renderer.set_volume(Arc::clone(&volume)).unwrap();
+        for table in [0, 1, 0, 2, 0] {
+            renderer.set_transfer(tables[table].clone());
+            for (sampler, classification, block) in [
+                (Sampler::Exact, Classification::Post, 4),
+                (Sampler::Hardware, Classification::Post, 4),
+                (Sampler::Exact, Classification::Pre, 4),
+                (Sampler::Exact, Classification::Post, 8),
+            ] {
+                let settings = Settings {
+                    classification,
+                    block,
+                    size: [48; 2],
+                    ..outside(&volume, Skip::Box, sampler)
+                };
+                let boxed = renderer.render(&settings).unwrap().picture;
+                shown += boxed.rgba.iter().filter(|p| p[3] > 0.0).count();
+                for skip in [Skip::BeamCells, Skip::Oracle] {
+                    let drawn = renderer.render(&Settings { skip, ..settings }).unwrap();
+                    let off = drawn.picture.difference(&boxed).pixels;
+                    assert_eq!(off, 0, "{name}, table {table}, {settings:?}");
+                }
+            }
+        }
+    }
+    assert!(shown > 0);
 }
 
 #[test]

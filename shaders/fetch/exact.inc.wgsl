@@ -20,7 +20,12 @@ fn fetch(lower: vec3f, f: vec3f) -> f32 {
     let x11 = vec2f(texel(a.x, b.y, b.z), texel(b.x, b.y, b.z));
     let low = vec4f(x00.x, x10.x, x01.x, x11.x);
     let high = vec4f(x00.y, x10.y, x01.y, x11.y);
-    // a + f * (b - a) keeps uniform data uniform, to the last bit.
+    return interpolated(low, high, f);
+}
+
+// What lies at the fraction `f` between four voxels and the next four along x; those before z come first, in these those before
+// y. a + f * (b - a) keeps uniform data uniform, to the last bit.
+fn interpolated(low: vec4f, high: vec4f, f: vec3f) -> f32 {
     let along_x = low + f.x * (high - low);
     let along_y = along_x.xz + f.y * (along_x.yw - along_x.xz);
     return along_y.x + f.z * (along_y.y - along_y.x);

@@ -1,5 +1,6 @@
 // Values come from bricks (octree::Bricks, render::gpu::bricks): copies of those parts of the volume that show anything. A texel holds
 // the four voxels around a cell's edge along z, so that two loads give what sample/exact takes eight for, and the same bits.
+#import fetch/exact
 
 // Where a brick's first texel lies (11 bits for x, 11 for y, and for z 10 that count bricks); or NO_BRICK.
 @group(1) @binding(4) var brick_places: texture_3d<u32>;
@@ -15,7 +16,7 @@ fn read_value(grid: vec3f, x: ptr<function, f32>) -> bool {
     let lower = floor(shifted);
     let f = shifted - lower;
     // The first cell is the one before the first voxel.
-    let cell = vec3i(lower) + 1;
+    let cell = clamp(vec3i(lower) + 1, vec3i(0), vec3i(view.dims));
     let place = textureLoad(brick_places, cell >> vec3u(2u), 0).x;
     if place == NO_BRICK {
         return false;
@@ -24,11 +25,7 @@ fn read_value(grid: vec3f, x: ptr<function, f32>) -> bool {
     let at = brick + (cell & vec3i(3));
     let near = textureLoad(brick_texels, at, 0);
     let far = textureLoad(brick_texels, at + vec3i(0, 0, 1), 0);
-    let low = vec4f(near.xz, far.xz);
-    let high = vec4f(near.yw, far.yw);
-    // As fetch/exact: a + f * (b - a), x first.
-    let along_x = low + f.x * (high - low);
-    let along_y = along_x.xz + f.y * (along_x.yw - along_x.xz);
-    *x = (along_y.x + f.z * (along_y.y - along_y.x) - view.raw_origin) * view.x_scale;
+    let raw = interpolated(vec4f(near.xz, far.xz), vec4f(near.yw, far.yw), f);
+    *x = (raw - view.raw_origin) * view.x_scale;
     return true;
 }

@@ -264,23 +264,22 @@ pub(crate) fn write<S: Copy + Sync, T: bytemuck::Pod + Send>(
     texel: impl Fn(S) -> T + Sync,
 ) -> Result<()> {
     let slice = dims[0] * dims[1];
-    write_slabs(gpu, texture, dims, 1, |slices, texels| {
+    write_slabs(gpu, texture, dims, |slices, texels| {
         let slab = &voxels[slices.start * slice..slices.end * slice];
         let chosen = slab.par_iter().with_min_len(1 << 14).map(|&s| texel(s));
         chosen.collect_into_vec(texels);
     })
 }
 
-/// Writes a texture of these texels, some slices at a time, a multiple of `unit`; `fill` makes the texels of a range of them.
+/// Writes a texture of these texels, some slices at a time; `fill` makes the texels of a range of them.
 pub(crate) fn write_slabs<T: bytemuck::Pod>(
     gpu: &Gpu,
     texture: &wgpu::Texture,
     dims: [usize; 3],
-    unit: usize,
     mut fill: impl FnMut(Range<usize>, &mut Vec<T>),
 ) -> Result<()> {
     let slice = dims[0] * dims[1];
-    let slices = (SLAB_BYTES / (slice * unit * size_of::<T>())).max(1) * unit;
+    let slices = (SLAB_BYTES / (slice * size_of::<T>())).max(1);
     let mut texels = Vec::with_capacity(slice * slices.min(dims[2]));
     for first in (0..dims[2]).step_by(slices) {
         let slab = first..(first + slices).min(dims[2]);

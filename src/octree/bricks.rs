@@ -8,7 +8,7 @@ use super::cells::PER_WORD;
 /// Edge of a brick in cells.
 pub const BRICK: usize = 4;
 
-/// Voxels that bricks hold at most, for each voxel of the volume: where most of it shows, there is little to skip, and each
+/// Packed voxels at most, for each voxel of the volume: where most of it shows, there is little to skip, and each
 /// of the volume's voxels would be there five times.
 const MOST: usize = 2;
 
@@ -67,7 +67,7 @@ impl Bricks {
         }
     }
 
-    /// Whether they take no more than twice the memory of the volume: a cell is packed with the four voxels around
+    /// Whether they take no more than about twice the memory of the volume: a cell is packed with the four voxels around
     /// its edge along z, and a brick ends with the first cells of the one behind it.
     pub fn are_few(&self) -> bool {
         let per_brick = BRICK * BRICK * (BRICK + 1) * 4;

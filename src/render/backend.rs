@@ -128,9 +128,7 @@ impl Renderer {
             is_software: backend.gpu().is_software(),
         };
         let mut renderer = Self::with_backend(Backend::Gpu(Box::new(backend)), info, progress);
-        // What a cut costs here is not the question yet.
-        let assumed = renderer.structures.cut_samples();
-        renderer.structures.set_cut_samples(Some(assumed));
+        renderer.chooser.is_probing = true;
         renderer.withdrawn =
             self_check::withdrawn(&mut renderer, cache::file("self-check.json").as_deref())?;
         for skip in &renderer.withdrawn {
@@ -139,7 +137,7 @@ impl Renderer {
                 skip.method().name
             );
         }
-        renderer.structures.set_cut_samples(None);
+        renderer.chooser.is_probing = false;
         renderer.forget_volume();
         Ok(renderer)
     }

@@ -24,7 +24,7 @@ use crate::skip::adaptive::Gradients;
 use crate::skip::beam_cells::Near;
 use crate::skip::beam_masks::BeamMasks;
 use crate::skip::k_cuts::CUT_SAMPLES;
-use crate::skip::{HalfCut, Majorants, Plan, Skip, SlabCount};
+use crate::skip::{HalfCut, Majorants, Plan, Skip};
 use crate::transfer::Table;
 
 /// Accelerators by block size and apron, each with what a table left of it.
@@ -37,7 +37,7 @@ pub(super) struct Structures {
     cpu_box: Option<(Arc<Table>, CpuPlan)>,
     /// Names the culled states, so that what is on the device can be told apart.
     next_id: u64,
-    /// What a cut costs on this adapter, where that was calibrated or is assumed; else [`CUT_SAMPLES`].
+    /// What a cut costs on this adapter, where that was calibrated; else [`CUT_SAMPLES`].
     cut_samples: Option<f64>,
 }
 
@@ -82,12 +82,6 @@ impl Structures {
     /// Takes what a cut costs; `None`: it is not known.
     pub(super) fn set_cut_samples(&mut self, samples: Option<f64>) {
         self.cut_samples = samples;
-    }
-
-    /// Whether the settings' method cuts by what a cut costs on this adapter, and that is to be found out first.
-    pub(super) fn lacks_cut_samples(&self, settings: &Settings) -> bool {
-        let asks = settings.skip == Skip::KCuts && settings.cuts.slabs == SlabCount::Auto;
-        asks && self.cut_samples.is_none()
     }
 
     /// Drops all that was built; what is built next has other names.

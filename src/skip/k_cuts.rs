@@ -16,7 +16,7 @@ use crate::octree::Occupancy;
 pub const MAX_SLABS: usize = 8;
 
 /// What a cut costs, in samples on every pixel of the box: clearing and drawing two more layers of depth and reading
-/// them in the marcher. An estimate, for adapters of which no calibration is at hand.
+/// them in the marcher. An estimate, where nothing is calibrated: in the reference, and while calibration itself draws.
 pub const CUT_SAMPLES: f64 = 4.0;
 
 /// [`CUT_SAMPLES`] in block lengths per column, for half-voxel steps and 8-voxel blocks.

@@ -204,7 +204,7 @@ pub const METHODS: &[Method] = &[
         shader: "beam_cells",
         backends: &["gpu", "reference"],
         max_segments: MOST_SEGMENTS,
-        summary: "tiles leap as one beam by the distance map; rays cut what is left down to cells of eight voxels, and read packed bricks",
+        summary: "tiles leap as one beam by the distance map; rays cut what is left down to cells of eight voxels (exact on the gpu: out of packed bricks)",
         origin: "this project; beams after Laine & Karras 2010, bricks after Crassin et al. 2009",
         known_failure: "two bits for every voxel and copies of what shows, made anew with every table; gaps that a beam does not fit through",
     },
@@ -305,8 +305,7 @@ impl Skip {
         self == Self::BeamCells
     }
 
-    /// Whether its samples may come from bricks: all of them lie where the volume's cells say that something shows, or show
-    /// nothing.
+    /// Whether its samples come from bricks, where the sampler and the classification allow it.
     pub fn reads_bricks(self) -> bool {
         matches!(self, Self::BeamCells | Self::Oracle)
     }

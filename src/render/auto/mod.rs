@@ -24,7 +24,7 @@ use super::{Renderer, Settings};
 use crate::error::{Error, Result};
 use crate::mode::Mode;
 use crate::sample::Classification;
-use crate::skip::{Cuts, HalfCut, METHODS, Skip};
+use crate::skip::{Cuts, HalfCut, METHODS, Skip, SlabCount};
 use crate::transfer::Table;
 
 /// Block sizes that are chosen from, in voxels.
@@ -61,6 +61,8 @@ pub(super) struct Chooser {
     /// Those that were asked for, each with what it holds for.
     calibrations: Vec<(Kind, Calibration)>,
     active: Option<Active>,
+    /// Whether what is drawn tells of the adapter, and so must not ask what is known of it.
+    pub(super) is_probing: bool,
     /// The last choice, and the settings that it was made for.
     last: Option<(Settings, Choice)>,
 }
@@ -182,12 +184,15 @@ impl Renderer {
         Ok(choice)
     }
 
-    /// Finds out what a cut costs on this adapter, where the settings' method cuts by that and it is not known.
+    /// Takes what a cut costs on this adapter in the settings' mode, classification and sampler, where their method cuts by
+    /// that; found out first where it is not known, which takes about a second.
     ///
     /// # Errors
     /// As [`Self::draw`].
     pub(super) fn learn_cut_cost(&mut self, settings: &Settings) -> Result<()> {
-        if self.structures.lacks_cut_samples(settings) {
+        let asks = settings.skip == Skip::KCuts && settings.cuts.slabs == SlabCount::Auto;
+        // Without a transfer function there is nothing to draw, which is told soon enough.
+        if asks && !self.chooser.is_probing && self.transfer.is_some() {
             self.calibrate(settings)?;
         }
         Ok(())
@@ -203,17 +208,17 @@ impl Renderer {
             // Nobody waits for the reference to be fast.
             None if self.info.backend == "reference" => Calibration::assumed(),
             None => {
-                // The probes cut, too.
-                let assumed = self.structures.cut_samples();
-                self.structures.set_cut_samples(Some(assumed));
-                let calibration = probes::calibration(self, &kind)?;
+                // The probes cut by what is assumed.
+                self.structures.set_cut_samples(None);
+                self.chooser.is_probing = true;
+                let calibration = probes::calibration(self, &kind);
+                self.chooser.is_probing = false;
+                let calibration = calibration?;
                 self.chooser.calibrations.push((kind, calibration.clone()));
                 calibration
             }
         };
-        if let Some(samples) = calibration.cut_samples() {
-            self.structures.set_cut_samples(Some(samples));
-        }
+        self.structures.set_cut_samples(calibration.cut_samples());
         Ok(calibration)
     }
 

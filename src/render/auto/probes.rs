@@ -209,10 +209,10 @@ pub(super) fn calibration(renderer: &mut Renderer, kind: &Kind) -> Result<Calibr
         let measured = measure(renderer, kind, &methods);
         // What was there before comes back, whatever happened.
         renderer.forget_volume();
+        renderer.transfer = transfer;
         if let Some(volume) = volume {
             renderer.set_volume(volume)?;
         }
-        renderer.transfer = transfer;
         measured
     })
 }

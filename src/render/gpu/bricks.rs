@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::Job;
+use super::{GpuBackend, Job};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::gpu::texture::{Stored, create, with_texels, write, write_slabs};
@@ -65,7 +65,7 @@ impl BrickTextures {
             }
         };
         with_texels!(gpu, &volume.voxels, (voxels, texel) => {
-            write_slabs(gpu, &texture, dims, SLICES, |slices, texels| {
+            write_slabs(gpu, &texture, dims, |slices, texels| {
                 let row = |row: usize, texels: &mut [_]| {
                     let (y, z) = (row % dims[1], row / dims[1] + slices.start);
                     let first = (z / SLICES * edge + y / BRICK) * edge;
@@ -136,6 +136,13 @@ fn pack<S: Copy, T>(
     }
 }
 
+impl GpuBackend {
+    /// Drops the bricks, which are then made anew where they are read.
+    pub(in crate::render) fn drop_bricks(&mut self) {
+        self.bricks.clear();
+    }
+}
+
 /// The bricks of the last job that read any.
 pub(super) struct KeptBricks {
     /// By their name; none where the adapter has no room for them.
@@ -151,7 +158,6 @@ impl KeptBricks {
         })
     }
 
-    /// Forgets what was made for a volume.
     pub(super) fn clear(&mut self) {
         self.kept = None;
     }
@@ -159,6 +165,10 @@ impl KeptBricks {
     /// Uploads what the job reads, unless it stands; whether it had to.
     pub(super) fn prepare(&mut self, gpu: &Gpu, job: &Job) -> Result<bool> {
         let Some((id, bricks)) = job.bricks else {
+            if job.skip.reads_bricks() {
+                // By another table or sampler it reads none any more; other methods may take turns with it.
+                self.kept = None;
+            }
             return Ok(false);
         };
         if self.kept.as_ref().is_some_and(|(kept, _)| *kept == id) {

@@ -118,7 +118,7 @@ impl Culled {
         Arc::clone(made)
     }
 
-    /// Makes the bricks that the settings' samples can come from, at first use; whether there are such. Bricks hold what
+    /// Makes the bricks that the settings' samples may come from, at first use; whether they may come from any. Bricks hold what
     /// trilinear interpolation reads, and tell of one point of a ray whether it shows anything there.
     pub(super) fn make_bricks(&mut self, settings: &Settings, scene: &Scene) -> bool {
         let reads = settings.skip.reads_bricks()
